@@ -1,0 +1,14 @@
+# Compiler flags of all targets.
+add_library(turner_warnings INTERFACE)
+target_compile_options(turner_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wvla
+  -Wno-missing-field-initializers
+  # IEEE arithmetic as written: the reference's last bits must not depend on the compiler's taste.
+  -ffp-contract=off)
+if(TURNER_WERROR)
+  target_compile_options(turner_warnings INTERFACE -Werror)
+endif()
+if(TURNER_SANITIZE)
+  target_compile_options(turner_warnings INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=undefined
+    -fno-omit-frame-pointer)
+  target_link_options(turner_warnings INTERFACE -fsanitize=address,undefined)
+endif()

@@ -1,0 +1,111 @@
+#include "glsl.h"
+
+#include <glslang/Public/ResourceLimits.h>
+#include <glslang/Public/ShaderLang.h>
+#include <glslang/SPIRV/GlslangToSpv.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <regex>
+#include <sstream>
+
+#include "errors.h"
+#include "text_file.h"
+
+namespace turner {
+namespace {
+
+// glslang wants to be started once in a process.
+struct GlslangProcess {
+  GlslangProcess() { glslang::InitializeProcess(); }
+  ~GlslangProcess() { glslang::FinalizeProcess(); }
+};
+
+// Finds #include "file" beside the file that includes it.
+class FileIncluder : public glslang::TShader::Includer {
+ public:
+  explicit FileIncluder(std::vector<std::string>& files) : files_(files) {}
+
+  IncludeResult* includeLocal(const char* name, const char* includer, size_t depth) override {
+    // glslang never ends a file that includes itself; no honest shader nests this deep.
+    if (depth > 32) return new IncludeResult("", kTooDeep, sizeof kTooDeep - 1, nullptr);
+    const std::string path = (std::filesystem::path(includer).parent_path() / name).string();
+    auto text = std::make_unique<std::string>();
+    try {
+      *text = readTextFile(path);
+    } catch (const InputError& error) {
+      // An empty name tells glslang that the include failed; the text is its message.
+      auto message = std::make_unique<std::string>(error.what());
+      auto* result = new IncludeResult("", message->data(), message->size(), message.get());
+      message.release();
+      return result;
+    }
+    if (std::find(files_.begin(), files_.end(), path) == files_.end()) files_.push_back(path);
+    auto* result = new IncludeResult(path, text->data(), text->size(), text.get());
+    text.release();
+    return result;
+  }
+
+  void releaseInclude(IncludeResult* result) override {
+    if (!result) return;
+    delete static_cast<std::string*>(result->userData);
+    delete result;
+  }
+
+ private:
+  static constexpr char kTooDeep[] = "includes nest too deep; does the file include itself?";
+  std::vector<std::string>& files_;
+};
+
+// glslang says "ERROR: file:12: 'x' : undeclared identifier "; compilers and editors say "file:12: error: ...".
+std::string diagnostics(const std::string& log) {
+  static const std::regex kind("^(ERROR|WARNING): (.*?):([0-9]+): (.*?) *$");
+  std::istringstream lines(log);
+  std::string result, line;
+  while (std::getline(lines, line)) {
+    std::smatch match;
+    if (std::regex_match(line, match, kind))
+      line = match[2].str() + ':' + match[3].str() + (match[1] == "ERROR" ? ": error: " : ": warning: ") + match[4].str();
+    else if (line.empty() || line.find("compilation terminated") != std::string::npos ||
+             line.find("compilation errors.") != std::string::npos)
+      continue;  // a tally, not a fault
+    if (!result.empty()) result += '\n';
+    result += line;
+  }
+  return result;
+}
+
+}  // namespace
+
+Spirv compileGlsl(const std::string& path) {
+  static const GlslangProcess process;
+  constexpr EShMessages kRules = EShMessages(EShMsgSpvRules | EShMsgVulkanRules);
+
+  Spirv spirv;
+  spirv.files.push_back(path);
+  const std::string source = readTextFile(path);
+  const char* text = source.data();
+  const int length = int(source.size());
+  const char* name = path.c_str();
+
+  glslang::TShader shader(EShLangCompute);
+  shader.setStringsWithLengthsAndNames(&text, &length, &name, 1);
+  shader.setEnvInput(glslang::EShSourceGlsl, EShLangCompute, glslang::EShClientVulkan, 120);
+  shader.setEnvClient(glslang::EShClientVulkan, glslang::EShTargetVulkan_1_2);
+  shader.setEnvTarget(glslang::EShTargetSpv, glslang::EShTargetSpv_1_5);
+  FileIncluder includer(spirv.files);
+  const TBuiltInResource* limits = GetDefaultResources();
+  if (!shader.parse(limits, 460, ECoreProfile, true, true, kRules, includer))
+    throw InputError(diagnostics(shader.getInfoLog()));
+
+  glslang::TProgram program;
+  program.addShader(&shader);
+  if (!program.link(kRules)) throw InputError(path + ": error: " + diagnostics(program.getInfoLog()));
+  glslang::SpvOptions options;
+  options.disableOptimizer = true;  // drivers optimise; lavapipe's and ours would do the same work twice
+  glslang::GlslangToSpv(*program.getIntermediate(EShLangCompute), spirv.words, &options);
+  return spirv;
+}
+
+}  // namespace turner

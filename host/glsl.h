@@ -1,0 +1,19 @@
+// Compiles GLSL to SPIR-V at run time. glslang appears in glsl.cpp only.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace turner {
+
+struct Spirv {
+  std::vector<uint32_t> words;
+  std::vector<std::string> files;  // read on the way: the shader first, then its includes in order
+};
+
+// Compiles a compute shader for Vulkan 1.2; #include "..." is looked for beside the including file.
+// Throws InputError with the compiler's messages as "file:line: error: ...", one a line.
+Spirv compileGlsl(const std::string& path);
+
+}  // namespace turner

@@ -1,0 +1,52 @@
+// Turns the command line into a command, and every error into one message and an exit code.
+
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <new>
+
+#include "commands.h"
+#include "errors.h"
+#include "interrupt.h"
+
+namespace {
+
+enum ExitCode { kDone = 0, kFailed = 1, kWrongInput = 2, kInterrupted = 130 };
+
+// Faults of a file say their place and that they are errors; everything else gets the program's name.
+int tell(const char* message, ExitCode code) {
+  const bool hasPlace = std::strstr(message, ": error: ") != nullptr;
+  std::fprintf(stderr, hasPlace ? "%s\n" : "turner: error: %s\n", message);
+  return code;
+}
+
+int run(int argc, char** argv) {
+  using namespace turner;
+  const CommandLine line = parseCommandLine(argc, argv);
+  catchInterrupts();
+  switch (line.kind) {
+    case CommandKind::render: return runRender(line.render);
+    case CommandKind::compare: return runCompare(line.compare, line.render);
+    case CommandKind::devices: return runDevices(line.devicesAsJson);
+    case CommandKind::printed: break;
+  }
+  return kDone;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const turner::InputError& error) {
+    return tell(error.what(), kWrongInput);
+  } catch (const turner::Interrupted& error) {
+    return tell(error.what(), kInterrupted);
+  } catch (const turner::RunError& error) {
+    return tell(error.what(), kFailed);
+  } catch (const std::bad_alloc&) {
+    return tell("out of memory", kFailed);
+  } catch (const std::exception& error) {
+    return tell(error.what(), kFailed);
+  }
+}

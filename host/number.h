@@ -1,0 +1,17 @@
+// Reads decimal numbers exactly: the nearest double, whatever the locale.
+#pragma once
+
+#include <string_view>
+
+namespace turner {
+
+enum class NumberFault { none, notANumber, tooLarge };
+
+// Turns the whole of `text` into a finite double. A leading '+' is taken; "nan", "inf" and hexadecimal are not numbers;
+// what is nearer to 0 than any double becomes 0.
+NumberFault parseNumber(std::string_view text, double& value);
+
+// Likewise for integers; anything but digits after an optional sign is not a number.
+NumberFault parseInteger(std::string_view text, long long& value);
+
+}  // namespace turner

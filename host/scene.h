@@ -1,0 +1,82 @@
+// The scene as its file means it: plain data in double precision, in world units. Comes from scene_load, goes to
+// round_scene, bvh, pack and reference. Knows nothing of files, Vulkan or the packed form.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <string>
+#include <vector>
+
+namespace turner {
+
+struct Camera {
+  glm::dvec3 eye{0, 0, 1};
+  glm::dvec3 target{0, 0, 0};
+  glm::dvec3 up{0, 1, 0};
+  double fov = 45;  // vertical, degrees, in (0, 180)
+};
+
+enum class Falloff { none, inverseSquare };
+
+struct Light {
+  glm::dvec3 position{0, 0, 0};
+  glm::dvec3 color{1, 1, 1};  // E_i of the light transport (docs: scenes); times 1/d^2 for inverseSquare
+  Falloff falloff = Falloff::none;
+};
+
+struct Material {
+  std::string name;
+  glm::dvec3 diffuse{0, 0, 0};   // k_d
+  glm::dvec3 specular{0, 0, 0};  // k_s
+  double shininess = 1;          // n, >= 0
+  double reflect = 0;            // r
+  double transmit = 0;           // t
+  double ior = 1.5;              // eta, looked at only where transmit > 0
+  double localWeight = 1;        // w_local: 1 - r - t in a scene of ours, 1 in NFF
+};
+
+struct Sphere {
+  glm::dvec3 center{0, 0, 0};
+  double radius = 1;  // negative (NFF only): the surface faces inward, Ng = (p - center) / radius
+  uint32_t material = 0;
+};
+
+inline constexpr uint32_t kNoNormals = UINT32_MAX;
+
+struct Triangle {
+  std::array<glm::dvec3, 3> vertices;  // counter-clockwise seen from the front
+  uint32_t material = 0;
+  uint32_t normals = kNoNormals;  // index into Scene::normals
+};
+
+// A file that a scene was read from.
+struct SourceFile {
+  std::string path;    // as written in the scene, or the scene's own name
+  std::string sha256;  // of its bytes, in hex
+};
+
+struct Scene {
+  std::string name;                 // the file's name without folder and extension
+  std::vector<SourceFile> sources;  // the scene file first, then its meshes in order
+  glm::dvec3 background{0, 0, 0};
+  int depth = 5;  // levels of the ray tree, the eye ray being level 1
+  int width = 512;
+  int height = 512;
+  Camera camera;
+  std::vector<Light> lights;
+  std::vector<Material> materials;
+  // Primitive ids: spheres, then triangles, then the faces of meshes (which stand behind the triangles here), each in
+  // file order. Among hits at equal distance the lowest id wins.
+  std::vector<Sphere> spheres;
+  std::vector<Triangle> triangles;
+  std::vector<std::array<glm::dvec3, 3>> normals;  // vertex normals, three for each smooth triangle
+  std::vector<std::string> notes;                  // what the user should be told: no lights, no objects, ...
+};
+
+// The largest values that a scene or the command line may ask for.
+inline constexpr int kMaxDepth = 64;
+inline constexpr int kMaxSize = 65536;   // width and height, pixels
+inline constexpr int kMaxSamples = 256;  // n of the n x n grid: its cells' 24-bit fractions must fit in 32 bits
+
+}  // namespace turner

@@ -1,0 +1,15 @@
+// Reads whole files and names their contents.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace turner {
+
+// All bytes of a file. Throws InputError naming the path and the system's reason.
+std::string readTextFile(const std::string& path);
+
+// SHA-256 in hex, as sha256sum prints it.
+std::string sha256Hex(std::string_view bytes);
+
+}  // namespace turner

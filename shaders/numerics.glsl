@@ -1,0 +1,71 @@
+// Arithmetic where plain float32 is not enough. Knows nothing of rays. `precise` keeps the compiler from contracting or
+// re-associating: these formulas live on the rounding of each single operation.
+
+// a + b = sum + rest, exactly (Knuth, The Art of Computer Programming 2, 4.2.2).
+float twoSum(float a, float b, out float rest) {
+  precise float sum = a + b;
+  precise float bRounded = sum - a;
+  precise float aRounded = sum - bRounded;
+  precise float restExact = (a - aRounded) + (b - bRounded);
+  rest = restExact;
+  return sum;
+}
+
+// a * b = product + rest, exactly (Dekker 1971, split by Veltkamp's constant 2^12 + 1). Not by fma(), which Vulkan lets a
+// driver round twice.
+float twoProduct(float a, float b, out float rest) {
+  precise float product = a * b;
+  precise float aScaled = 4097.0 * a;
+  precise float bScaled = 4097.0 * b;
+  precise float aHi = aScaled - (aScaled - a);
+  precise float bHi = bScaled - (bScaled - b);
+  precise float aLo = a - aHi;
+  precise float bLo = b - bHi;
+  precise float restExact = ((aHi * bHi - product) + aHi * bLo + aLo * bHi) + aLo * bLo;
+  rest = restExact;
+  return product;
+}
+
+// Adds a term to a compensated sum (Kahan 1965).
+void compensatedAdd(inout vec3 sum, inout vec3 compensation, vec3 term) {
+  precise vec3 corrected = term - compensation;
+  precise vec3 next = sum + corrected;
+  precise vec3 lost = (next - sum) - corrected;
+  compensation = lost;
+  sum = next;
+}
+
+// ln(1 - q) for 0 <= q < 1, with a small relative error also where q is small.
+float logOneMinus(float q) {
+  // 1 - q = 2^k (1 + f) with 1 + f in [sqrt(1/2), sqrt(2)); below 1/4, f = -q without a rounding.
+  int k = 0;
+  float f = -q;
+  if (q > 0.25) {
+    float m = frexp(1.0 - q, k);
+    if (m < 0.70710678) {
+      m *= 2.0;
+      k -= 1;
+    }
+    f = m - 1.0;
+  }
+  // ln(1 + f) = 2 artanh(s) with s = f / (2 + f), |s| <= 0.172: the first term left out is below 5e-11 s.
+  float s = f / (2.0 + f);
+  float s2 = s * s;
+  float series = s2 * (1.0 / 3.0 + s2 * (1.0 / 5.0 + s2 * (1.0 / 7.0 + s2 * (1.0 / 9.0 + s2 * (1.0 / 11.0)))));
+  return 2.0 * (s + s * series) + float(k) * 0.69314718;
+}
+
+// (1 - q)^n for 0 <= q <= 1 and n >= 0, with 0^0 = 1. The built-in pow() is undefined at 0 and loses 1e-5 on lavapipe
+// for large n; here the absolute error is about 1e-7 for every n.
+float powOneMinus(float q, float n) {
+  if (n == 0.0) return 1.0;
+  if (q >= 1.0) return 0.0;
+  float y = n * logOneMinus(q) * 1.4426950;
+  if (y < -126.0) return 0.0;
+  // 2^y = 2^k 2^f with |f| <= 1/2, by Taylor's series of exp(f ln 2): the first term left out is below 6e-9.
+  float k = floor(y + 0.5);
+  float z = (y - k) * 0.69314718;
+  float series =
+      1.0 + z * (1.0 + z * (1.0 / 2.0 + z * (1.0 / 6.0 + z * (1.0 / 24.0 + z * (1.0 / 120.0 + z * (1.0 / 720.0 + z * (1.0 / 5040.0)))))));
+  return series * uintBitsToFloat(uint(int(k) + 127) << 23);
+}

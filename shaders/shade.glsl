@@ -1,0 +1,133 @@
+// What happens where a ray meets a surface: docs/light_transport.md, sentence by sentence. V points back along the ray,
+// L to a light, N is the shading normal Ns, H the half vector (Blinn 1977).
+
+struct Surface {
+  vec3 point;
+  vec3 Ng, Ns;   // unit, both on the side that the ray came from
+  bool front;    // the ray came from the front
+  bool outside;  // of a sphere: the ray came from outside, whatever its front is
+  float margin;  // how far along Ng a ray must start to be on its side for certain; 0 for spheres
+  uint material;
+};
+
+// The largest of three components.
+float largest(vec3 v) { return max(max(v.x, v.y), v.z); }
+
+// Turns the hit of a ray into the surface there.
+Surface surfaceAt(Ray ray, float t, uint primitive) {
+  Surface surface;
+  uint index = primitive & kRefIndexMask;
+  vec3 V = -ray.direction;
+  surface.margin = 0.0;
+  surface.outside = true;
+  if (SPHERES && (primitive & kRefTriangle) == 0u) {
+    vec3 center = xyz(spheres[index].center);
+    float radius = uintBitsToFloat(spheres[index].center.w);
+    vec3 outward = normalize(ray.origin + t * ray.direction - center);
+    // Put the point back on the sphere: the error of o + t d grows with t.
+    surface.point = center + abs(radius) * outward;
+    surface.outside = dot(outward, V) > 0.0;
+    surface.Ng = radius < 0.0 ? -outward : outward;
+    surface.Ns = surface.Ng;
+    surface.material = spheres[index].tags.y;
+  }
+  if (TRIANGLES && (primitive & kRefTriangle) != 0u) {
+    Row row1 = triangles[index].v1, row2 = triangles[index].v2;
+    vec3 v0 = xyz(triangles[index].v0), v1 = xyz(row1), v2 = xyz(row2);
+    surface.Ng = xyz(triangles[index].normal);
+    surface.material = row1.w;
+    // The distance to the plane is better than the one of the edges on thin triangles; one more projection takes out
+    // the rounding of o + t d across the plane. Edge-on (0/0) the edges' distance stands.
+    float slope = dot(surface.Ng, ray.direction);
+    float tPlane = dot(surface.Ng, v0 - ray.origin) / slope;
+    vec3 point = ray.origin + (abs(slope) > 1e-6 ? tPlane : t) * ray.direction;
+    surface.point = point - surface.Ng * dot(surface.Ng, point - v0);
+    // Bound of the point's error across the plane, with the constants of NVIDIA's self-intersection avoidance (Wald et
+    // al. 2019: u for the base vertex, 3u for the extent), doubled. The largest axis serves all three: a bound for each
+    // axis fails on axis-aligned planes.
+    vec3 e1 = abs(v1 - v0), e2 = abs(v2 - v0);
+    float error = 1.1920929e-7 * largest(abs(v0)) + 3.5762787e-7 * largest(e1 + e2 + abs(e1 - e2));
+    surface.margin = error * (abs(surface.Ng.x) + abs(surface.Ng.y) + abs(surface.Ng.z));
+    surface.Ns = surface.Ng;
+    if (SMOOTH_NORMALS && row2.w != kRefNone) {
+      Edges edges = triangleEdges(ray, rayFactors(ray.direction), v0, v1, v2);
+      vec3 weights = edges.uvw / edges.det;
+      vec3 Ns = weights.x * xyz(vertexNormals[row2.w].n0) + weights.y * xyz(vertexNormals[row2.w].n1) +
+                weights.z * xyz(vertexNormals[row2.w].n2);
+      float squared = dot(Ns, Ns);
+      if (squared > 0.0) surface.Ns = Ns * inversesqrt(squared);
+      if (dot(surface.Ng, surface.Ns) < 0.0) surface.Ng = -surface.Ng;
+    }
+  }
+  surface.front = dot(surface.Ng, V) > 0.0;
+  if (!surface.front) {
+    surface.Ng = -surface.Ng;
+    surface.Ns = -surface.Ns;
+  }
+  if (dot(surface.Ns, V) <= 0.0) surface.Ns = surface.Ng;
+  return surface;
+}
+
+// A ray from the surface, to the side of Ng (`above`) or through it.
+Ray leaveSurface(Surface surface, uint primitive, vec3 direction, bool above) {
+  vec3 origin = surface.point + (above ? surface.margin : -surface.margin) * surface.Ng;
+  bool inward = above != surface.outside;
+  return Ray(origin, direction, primitive | (inward ? kLeavesInward : 0u));
+}
+
+// L, not yet unit: the way from the surface to a light.
+vec3 toLight(Surface surface, uint light) { return xyz(lights[light].position) - surface.point; }
+
+// Whether a light stands above both the surface and its shading normal, so that a shadow ray is worth its time.
+bool facesLight(Surface surface, uint light) {
+  vec3 L = toLight(surface, light);
+  return dot(surface.Ns, L) > 0.0 && dot(surface.Ng, L) > 0.0;
+}
+
+// E (k_d + k_s max(0, N.H)^n) N.L of one light that is not in shadow.
+vec3 lightReflected(Surface surface, vec3 V, uint light) {
+  Row position = lights[light].position;
+  vec3 toward = toLight(surface, light);
+  float squared = dot(toward, toward);
+  vec3 L = toward / sqrt(squared);
+  vec3 E = xyz(lights[light].color);
+  if (FALLOFF && position.w != 0u) E /= squared;
+  vec3 brdf = xyz(materials[surface.material].diffuse);
+  if (HIGHLIGHTS) {
+    vec3 H = L + V;
+    float h2 = dot(H, H);
+    // N.H = 1 - |N - H|^2 / 2 for unit vectors: near 1, where a high power looks, the difference keeps its digits.
+    vec3 difference = surface.Ns - H * inversesqrt(max(h2, 1e-30));
+    float q = 0.5 * dot(difference, difference);
+    float shininess = uintBitsToFloat(materials[surface.material].other.x);
+    if (h2 > 0.0) brdf += xyz(materials[surface.material].specular) * powOneMinus(min(q, 1.0), shininess);
+  }
+  return E * brdf * dot(surface.Ns, L);
+}
+
+// The direction mirrored about a normal on the side of V.
+vec3 mirrored(vec3 direction, vec3 N) { return direction - 2.0 * dot(direction, N) * N; }
+
+// R: about Ns, or about Ng where that would lead below the surface.
+vec3 reflection(Surface surface, vec3 direction) {
+  vec3 R = mirrored(direction, surface.Ns);
+  return dot(R, surface.Ng) > 0.0 ? R : mirrored(direction, surface.Ng);
+}
+
+// Snell's law in vector form; false on total internal reflection. eta: index on the side of V over the other.
+bool refracted(vec3 direction, vec3 N, float eta, out vec3 T) {
+  float cosI = -dot(direction, N);
+  float sin2T = eta * eta * max(1.0 - cosI * cosI, 0.0);
+  T = direction;
+  if (sin2T >= 1.0) return false;
+  T = normalize(eta * direction + (eta * cosI - sqrt(1.0 - sin2T)) * N);
+  return true;
+}
+
+// T: about Ns, or about Ng where that would not lead through the surface; false on total internal reflection.
+bool transmission(Surface surface, vec3 direction, float ior, out vec3 T) {
+  float eta = surface.front ? 1.0 / ior : ior;
+  bool passes = refracted(direction, surface.Ns, eta, T);
+  if (passes && dot(T, surface.Ng) >= 0.0) passes = refracted(direction, surface.Ng, eta, T);
+  return passes;
+}
