@@ -19,7 +19,9 @@
 namespace turner {
 namespace {
 
-Box unite(const Box& a, const Box& b) { return {glm::min(a.lo, b.lo), glm::max(a.hi, b.hi)}; }
+Box unite(const Box& a, const Box& b) {
+  return {glm::min(a.lo, b.lo), glm::max(a.hi, b.hi)};
+}
 
 // Writes the tree into its final arrays while a builder walks its own, depth first.
 class Flattener {
@@ -85,7 +87,8 @@ void* createNode(RTCThreadLocalAllocator allocator, unsigned, void*) {
 }
 
 void setChildren(void* node, void** children, unsigned count, void*) {
-  for (unsigned i = 0; i < count; ++i) static_cast<BuildNode*>(node)->children[i] = static_cast<BuildNode*>(children[i]);
+  for (unsigned i = 0; i < count; ++i)
+    static_cast<BuildNode*>(node)->children[i] = static_cast<BuildNode*>(children[i]);
 }
 
 // Boxes are united again while flattening, from what the leaves really hold.
@@ -116,8 +119,9 @@ struct ReleaseBvh {
 // False where Embree gives up: boxes nested into a corner, for one, need more depth than it is allowed.
 bool buildWithEmbree(std::span<const Box> boxes, const BvhLimits& limits, Flattener& out, BvhChild& root) {
   const std::unique_ptr<std::remove_pointer_t<RTCDevice>, ReleaseDevice> device(rtcNewDevice(nullptr));
-  if (!device) throw RunError("Embree cannot start: rtcNewDevice failed with code " +
-                              std::to_string(int(rtcGetDeviceError(nullptr))));
+  if (!device)
+    throw RunError("Embree cannot start: rtcNewDevice failed with code " +
+                   std::to_string(int(rtcGetDeviceError(nullptr))));
   const std::unique_ptr<std::remove_pointer_t<RTCBVH>, ReleaseBvh> bvh(rtcNewBVH(device.get()));
   if (!bvh) throw RunError("Embree cannot build: rtcNewBVH failed");
 

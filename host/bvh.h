@@ -35,13 +35,13 @@ struct BvhLimits {
   int maxDepth = 48;
 };
 
-// Builds by Embree's binned surface area heuristic; where Embree gives up, or exceeds the depth, by object medians. A leaf
-// holds boxes of one kind only: those before `firstOfSecondKind`, or those from it on. Entries of a leaf are sorted.
-// Throws RunError if Embree cannot start or memory runs out.
+// Builds by Embree's binned surface area heuristic; where Embree gives up, or exceeds the depth, by object medians. A
+// leaf holds boxes of one kind only: those before `firstOfSecondKind`, or those from it on. Entries of a leaf are
+// sorted. Throws RunError if Embree cannot start or memory runs out.
 Bvh buildBvh(std::span<const Box> boxes, size_t firstOfSecondKind, const BvhLimits& limits = {});
 
-// The fallback by itself: halves along the longest axis of the centroids, so that equal boxes are no trouble and the depth
-// is the logarithm of their number.
+// The fallback by itself: halves along the longest axis of the centroids, so that equal boxes are no trouble and the
+// depth is the logarithm of their number.
 Bvh buildMedianBvh(std::span<const Box> boxes, size_t firstOfSecondKind, const BvhLimits& limits = {});
 
 }  // namespace turner

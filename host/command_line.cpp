@@ -32,8 +32,9 @@ void addRenderOptions(CLI::App& command, RenderOptions& options) {
       ->capture_default_str();
   static const std::map<std::string, Geometry> kGeometries = {{"exact", Geometry::exact},
                                                               {"rounded", Geometry::rounded}};
-  command.add_option("--geometry", options.geometry,
-                     "What the reference traces: the exact scene, or the one rounded for the shader (default: exact)")
+  command
+      .add_option("--geometry", options.geometry,
+                  "What the reference traces: the exact scene, or the one rounded for the shader (default: exact)")
       ->transform(CLI::CheckedTransformer(kGeometries).description("{exact,rounded}"));
   command.add_option("--device", options.device,
                      "Vulkan device: index, or part of its name (default: $TURNER_DEVICE, else the best one)");
@@ -42,7 +43,8 @@ void addRenderOptions(CLI::App& command, RenderOptions& options) {
   command.add_option("--shaders", options.shaders, "Folder of the kernel's sources (default: turner's own)")
       ->type_name("DIR");
   command.add_flag("--quiet", options.quiet, "Print nothing but errors");
-  command.add_option("--tile", options.tile, "Pixels on a tile's side; never changes the picture (default: the device's)")
+  command
+      .add_option("--tile", options.tile, "Pixels on a tile's side; never changes the picture (default: the device's)")
       ->check([](const std::string& text) {
         long long side = 0;
         const bool good = parseInteger(text, side) == NumberFault::none && side >= 8 && side <= 4096 && side % 8 == 0;
@@ -76,25 +78,31 @@ CommandLine parseCommandLine(int argc, char** argv) {
 
   CLI::App* render = app.add_subcommand("render", "Render a scene into EXR and PNG files");
   render->add_option("SCENE", line.render.scene, "A .json or .nff scene")->required();
-  render->add_option("-o,--output", line.render.outputs, "File to write, .exr or .png; may be repeated (default: SCENE.exr)")
+  render
+      ->add_option("-o,--output", line.render.outputs,
+                   "File to write, .exr or .png; may be repeated (default: SCENE.exr)")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
       ->type_name("FILE");
   static const std::map<std::string, Backend> kBackends = {{"shader", Backend::shader},
                                                            {"reference", Backend::reference}};
-  render->add_option("--backend", line.render.backend, "Who renders: shader, or reference in double precision (default: shader)")
+  render
+      ->add_option("--backend", line.render.backend,
+                   "Who renders: shader, or reference in double precision (default: shader)")
       ->transform(CLI::CheckedTransformer(kBackends).description("{shader,reference}"));
   render->add_option("--stats", line.render.stats, "Write counts and times as JSON")->type_name("FILE");
   addRenderOptions(*render, line.render);
 
-  CLI::App* compare = app.add_subcommand("compare", "Compare two EXR files, or a scene's shader picture with the reference's");
+  CLI::App* compare =
+      app.add_subcommand("compare", "Compare two EXR files, or a scene's shader picture with the reference's");
   compare->add_option("FILES", line.compare.files, "A.exr B.exr, or one scene")->required()->expected(1, 2);
   const auto bound = [&](const std::string& name, double& value, const std::string& text) {
     compare->add_option(name, value, text)->check(CLI::NonNegativeNumber);
   };
   bound("--max-rmse", line.compare.bounds.rmse, "Fail (exit 1) if the root mean square error exceeds this");
   bound("--max-error", line.compare.bounds.max, "Fail if the largest error of a channel exceeds this");
-  bound("--max-bad-pixels", line.compare.bounds.badPixels, "Fail if the share of pixels off by more than --threshold exceeds this");
+  bound("--max-bad-pixels", line.compare.bounds.badPixels,
+        "Fail if the share of pixels off by more than --threshold exceeds this");
   bound("--threshold", line.compare.threshold, "Error of a channel from which a pixel is bad (default: 0.001)");
   compare->add_option("--error-image", line.compare.errorImage, "Write |A - B| as EXR")->type_name("FILE");
   compare->add_flag("--json", line.compare.json, "Print the figures as JSON");
@@ -142,8 +150,9 @@ Window parseCrop(const std::string& text, int width, int height) {
   }
   const Window crop{numbers[0], numbers[1], numbers[2], numbers[3]};
   if (crop.x0 >= crop.x1 || crop.y0 >= crop.y1 || crop.x1 > width || crop.y1 > height)
-    throw InputError(fmt::format("--crop: found {}; must be a part of the {} x {} picture: 0 <= x0 < x1 <= {} and 0 <= y0 < y1 <= {}",
-                                 text, width, height, width, height));
+    throw InputError(fmt::format(
+        "--crop: found {}; must be a part of the {} x {} picture: 0 <= x0 < x1 <= {} and 0 <= y0 < y1 <= {}", text,
+        width, height, width, height));
   return crop;
 }
 
@@ -162,9 +171,10 @@ RenderSettings settingsFor(const Scene& scene, const RenderOptions& options) {
   settings.minWeight = options.minWeight;
   constexpr size_t kMaxPixels = size_t(1) << 28;
   if (settings.crop.area() > kMaxPixels)
-    throw InputError(fmt::format("a picture of {} x {} pixels is too large for one file; render it in parts with --crop "
-                                 "of at most {} pixels",
-                                 settings.crop.width(), settings.crop.height(), kMaxPixels));
+    throw InputError(
+        fmt::format("a picture of {} x {} pixels is too large for one file; render it in parts with --crop "
+                    "of at most {} pixels",
+                    settings.crop.width(), settings.crop.height(), kMaxPixels));
   return settings;
 }
 

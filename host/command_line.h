@@ -28,7 +28,7 @@ struct RenderOptions {
   Geometry geometry = Geometry::exact;
   std::string device, crop, shaders, stats;
   bool quiet = false;
-  int tile = 0;        // how the work is cut; never changes the picture
+  int tile = 0;  // how the work is cut; never changes the picture
   int workGroup = 64;
 };
 

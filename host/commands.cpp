@@ -85,8 +85,9 @@ struct Rendered {
 
 DeviceInfo chooseAndTell(const RenderOptions& options) {
   const char* environment = std::getenv("TURNER_DEVICE");
-  const DeviceInfo device =
-      chooseDevice(listDevices(), !options.device.empty() ? options.device : environment ? environment : "");
+  const DeviceInfo device = chooseDevice(listDevices(), !options.device.empty() ? options.device
+                                                        : environment           ? environment
+                                                                                : "");
   if (!options.quiet) fmt::print("device: {}: {} ({}, {})\n", device.index, device.name, device.type, device.driver);
   return device;
 }
@@ -147,8 +148,8 @@ Rendered renderWithReference(const Scene& scene, const RenderSettings& settings,
 
   Stopwatch watch;
   ProgressLine progress("reference", sampleCount(settings), options.quiet);
-  ReferencePicture picture = renderReference(options.geometry == Geometry::rounded ? roundScene(scene) : scene, settings,
-                                             std::ref(progress));
+  ReferencePicture picture =
+      renderReference(options.geometry == Geometry::rounded ? roundScene(scene) : scene, settings, std::ref(progress));
   stats.seconds.trace = watch.lap();
   stats.rays = picture.rays;
   result.image = std::move(picture.image);
@@ -182,8 +183,7 @@ int runRender(const RenderOptions& options) {
                           ? renderWithShader(scene, settings, options, !options.stats.empty())
                           : renderWithReference(scene, settings, options);
   Stats& stats = rendered.stats;
-  const Provenance provenance =
-      makeProvenance(scene, settings, stats.backend, stats.device.name, stats.device.driver);
+  const Provenance provenance = makeProvenance(scene, settings, stats.backend, stats.device.name, stats.device.driver);
   throwIfInterrupted();
   for (const std::string& output : outputs) {
     writePicture(output, rendered.image, provenance);
@@ -200,7 +200,8 @@ int runRender(const RenderOptions& options) {
   if (!options.quiet) {
     fmt::print("traced in {:.3f} s, all in {:.3f} s", stats.seconds.trace, stats.seconds.total);
     if (stats.rays.total() > 0)
-      fmt::print(": {} rays, {:.3g} Mray/s", stats.rays.total(), double(stats.rays.total()) / stats.seconds.trace * 1e-6);
+      fmt::print(": {} rays, {:.3g} Mray/s", stats.rays.total(),
+                 double(stats.rays.total()) / stats.seconds.trace * 1e-6);
     fmt::print("\n");
   }
   return 0;

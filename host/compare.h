@@ -10,11 +10,11 @@ namespace turner {
 // The difference A - B over linear R, G, B. Pixels with a NaN or an infinity in A or B are counted in nan or inf and as
 // bad pixels, and are left out of all other figures.
 struct Comparison {
-  double rmse = 0;        // over all channels
-  double relRmse = 0;     // sqrt(mean((a-b)^2 / (b^2 + 0.01)))
-  double mae = 0;         // mean absolute error over all channels
-  double max = 0;         // largest channel error
-  double meanSigned = 0;  // mean of a - b over all channels: bias
+  double rmse = 0;                    // over all channels
+  double relRmse = 0;                 // sqrt(mean((a-b)^2 / (b^2 + 0.01)))
+  double mae = 0;                     // mean absolute error over all channels
+  double max = 0;                     // largest channel error
+  double meanSigned = 0;              // mean of a - b over all channels: bias
   double p50 = 0, p99 = 0, p999 = 0;  // percentiles (nearest rank) over pixels by their largest channel error
   double badPixels = 0;               // share of pixels whose largest channel error exceeds the threshold
   uint64_t nan = 0, inf = 0;          // pixels with one or more of them, in A or B

@@ -9,8 +9,8 @@ namespace turner {
 // the program was built from. Throws RunError naming both when neither is there.
 std::string dataFolder();
 
-// The folder of the kernel's sources: `wanted` if not empty, else the one in the data folder. Throws InputError if it is
-// missing.
+// The folder of the kernel's sources: `wanted` if not empty, else the one in the data folder. Throws InputError if it
+// is missing.
 std::string shaderFolder(const std::string& wanted);
 
 // A scene's path: as given if it exists, else the same path below the data folder if it exists there, so that

@@ -41,8 +41,8 @@ DeviceInfo chooseDevice(const std::vector<DeviceInfo>& devices, const std::strin
   const bool isIndex = parseInteger(wanted, index) == NumberFault::none;
   std::vector<DeviceInfo> found;
   for (const DeviceInfo& device : devices) {
-    const bool fits = isIndex ? device.index == index
-                              : lowerCase(device.name).find(lowerCase(wanted)) != std::string::npos;
+    const bool fits =
+        isIndex ? device.index == index : lowerCase(device.name).find(lowerCase(wanted)) != std::string::npos;
     if (fits) found.push_back(device);
   }
   if (found.size() > 1)

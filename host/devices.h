@@ -18,9 +18,9 @@ struct DeviceInfo {
 // Throws RunError, saying what to install, when there is no Vulkan loader or no device at all.
 std::vector<DeviceInfo> listDevices();
 
-// The device that `wanted` names, by its index or by a part of its name (case ignored); if empty, the best one: discrete
-// GPU, integrated, virtual, CPU. Throws InputError listing the devices when none or more than one fits, RunError when none
-// is usable.
+// The device that `wanted` names, by its index or by a part of its name (case ignored); if empty, the best one:
+// discrete GPU, integrated, virtual, CPU. Throws InputError listing the devices when none or more than one fits,
+// RunError when none is usable.
 DeviceInfo chooseDevice(const std::vector<DeviceInfo>& devices, const std::string& wanted);
 
 }  // namespace turner

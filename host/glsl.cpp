@@ -66,7 +66,8 @@ std::string diagnostics(const std::string& log) {
   while (std::getline(lines, line)) {
     std::smatch match;
     if (std::regex_match(line, match, kind))
-      line = match[2].str() + ':' + match[3].str() + (match[1] == "ERROR" ? ": error: " : ": warning: ") + match[4].str();
+      line =
+          match[2].str() + ':' + match[3].str() + (match[1] == "ERROR" ? ": error: " : ": warning: ") + match[4].str();
     else if (line.empty() || line.find("compilation terminated") != std::string::npos ||
              line.find("compilation errors.") != std::string::npos)
       continue;  // a tally, not a fault

@@ -44,7 +44,9 @@ bool hasExtension(const std::vector<vk::ExtensionProperties>& extensions, const 
                      [&](const vk::ExtensionProperties& e) { return std::strcmp(e.extensionName, name) == 0; });
 }
 
-std::string megabytes(vk::DeviceSize bytes) { return std::to_string((bytes + (1 << 20) - 1) >> 20) + " MiB"; }
+std::string megabytes(vk::DeviceSize bytes) {
+  return std::to_string((bytes + (1 << 20) - 1) >> 20) + " MiB";
+}
 
 // A queue family for compute; one that does nothing else where there is a choice.
 std::optional<uint32_t> computeFamily(const vk::raii::PhysicalDevice& device) {
@@ -60,11 +62,16 @@ std::optional<uint32_t> computeFamily(const vk::raii::PhysicalDevice& device) {
 
 std::string typeName(vk::PhysicalDeviceType type) {
   switch (type) {
-    case vk::PhysicalDeviceType::eDiscreteGpu: return "discrete GPU";
-    case vk::PhysicalDeviceType::eIntegratedGpu: return "integrated GPU";
-    case vk::PhysicalDeviceType::eVirtualGpu: return "virtual GPU";
-    case vk::PhysicalDeviceType::eCpu: return "CPU";
-    default: return "other";
+    case vk::PhysicalDeviceType::eDiscreteGpu:
+      return "discrete GPU";
+    case vk::PhysicalDeviceType::eIntegratedGpu:
+      return "integrated GPU";
+    case vk::PhysicalDeviceType::eVirtualGpu:
+      return "virtual GPU";
+    case vk::PhysicalDeviceType::eCpu:
+      return "CPU";
+    default:
+      return "other";
   }
 }
 
@@ -87,16 +94,16 @@ Instance::Instance() try {
       {}, vk::DebugUtilsMessageSeverityFlagBitsEXT::eWarning | vk::DebugUtilsMessageSeverityFlagBitsEXT::eError,
       vk::DebugUtilsMessageTypeFlagBitsEXT::eValidation | vk::DebugUtilsMessageTypeFlagBitsEXT::ePerformance,
       onValidationMessage);
-  constexpr vk::ValidationFeatureEnableEXT kFeatures[] = {
-      vk::ValidationFeatureEnableEXT::eSynchronizationValidation};
+  constexpr vk::ValidationFeatureEnableEXT kFeatures[] = {vk::ValidationFeatureEnableEXT::eSynchronizationValidation};
   const vk::ValidationFeaturesEXT features(kFeatures, {}, &messenger);
   const bool validation = wantsValidation();
   if (validation) {
     const auto available = context_.enumerateInstanceLayerProperties();
     if (std::none_of(available.begin(), available.end(),
                      [](const auto& layer) { return std::strcmp(layer.layerName, kValidationLayer) == 0; }))
-      throw RunError("TURNER_VALIDATION is set, but the validation layers are missing "
-                     "(apt-get install vulkan-validationlayers)");
+      throw RunError(
+          "TURNER_VALIDATION is set, but the validation layers are missing "
+          "(apt-get install vulkan-validationlayers)");
     layers.push_back(kValidationLayer);
     debugNames_ = true;  // the layer brings the extension
     create.setPNext(&features);
@@ -167,8 +174,7 @@ Device::Device(const DeviceInfo& info) : info_(info) {
   device_.emplace(*physical_, vk::DeviceCreateInfo({}, queue));
   queue_.emplace(*device_, queueFamily_, 0);
   commandPool_.emplace(*device_, vk::CommandPoolCreateInfo(vk::CommandPoolCreateFlagBits::eTransient, queueFamily_));
-  if (timestampBits_ > 0)
-    timestamps_.emplace(*device_, vk::QueryPoolCreateInfo({}, vk::QueryType::eTimestamp, 2));
+  if (timestampBits_ > 0) timestamps_.emplace(*device_, vk::QueryPoolCreateInfo({}, vk::QueryType::eTimestamp, 2));
   name(*queue_, "compute queue");
 }
 

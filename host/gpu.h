@@ -15,8 +15,8 @@
 
 namespace turner {
 
-// A Vulkan instance, with the validation layers if the build or TURNER_VALIDATION=1 asks for them. The first complaint of
-// the layers is kept, and throwIfInvalid() throws it: a program that breaks Vulkan's rules has no result.
+// A Vulkan instance, with the validation layers if the build or TURNER_VALIDATION=1 asks for them. The first complaint
+// of the layers is kept, and throwIfInvalid() throws it: a program that breaks Vulkan's rules has no result.
 class Instance {
  public:
   Instance();  // throws RunError when there is no Vulkan loader

@@ -9,7 +9,9 @@ namespace {
 
 volatile std::sig_atomic_t interrupts = 0;
 
-extern "C" void noteInterrupt(int) { interrupts = 1; }
+extern "C" void noteInterrupt(int) {
+  interrupts = 1;
+}
 
 }  // namespace
 

@@ -25,10 +25,14 @@ int run(int argc, char** argv) {
   const CommandLine line = parseCommandLine(argc, argv);
   catchInterrupts();
   switch (line.kind) {
-    case CommandKind::render: return runRender(line.render);
-    case CommandKind::compare: return runCompare(line.compare, line.render);
-    case CommandKind::devices: return runDevices(line.devicesAsJson);
-    case CommandKind::printed: break;
+    case CommandKind::render:
+      return runRender(line.render);
+    case CommandKind::compare:
+      return runCompare(line.compare, line.render);
+    case CommandKind::devices:
+      return runDevices(line.devicesAsJson);
+    case CommandKind::printed:
+      break;
   }
   return kDone;
 }

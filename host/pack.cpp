@@ -15,8 +15,12 @@ namespace {
 using gpu::Row;
 using gpu::uint;
 
-Row row(const glm::dvec3& v, uint w = 0) { return {float(v.x), float(v.y), float(v.z), w}; }
-Row row(const glm::dvec3& v, double w) { return row(v, std::bit_cast<uint>(float(w))); }
+Row row(const glm::dvec3& v, uint w = 0) {
+  return {float(v.x), float(v.y), float(v.z), w};
+}
+Row row(const glm::dvec3& v, double w) {
+  return row(v, std::bit_cast<uint>(float(w)));
+}
 
 // What a float leaves of a double: the low half of an unevaluated sum.
 Row rowRest(const glm::dvec3& v, uint w = 0) {
@@ -31,7 +35,9 @@ glm::vec3 roundedDown(const glm::dvec3& v) {
   return {down(v.x), down(v.y), down(v.z)};
 }
 
-glm::vec3 roundedUp(const glm::dvec3& v) { return -roundedDown(-v); }
+glm::vec3 roundedUp(const glm::dvec3& v) {
+  return -roundedDown(-v);
+}
 
 uint reference(const BvhChild& child, uint sphereCount) {
   if (child.count == 0) return child.first;
@@ -119,8 +125,8 @@ PackedScene packScene(const Scene& local, const Bvh& bvh) {
     if (id < sphereCount) {
       place[i] = uint(packed.spheres.size());
       const Sphere& sphere = local.spheres[id];
-      packed.spheres.push_back({row(sphere.center, sphere.radius),
-                                {std::bit_cast<float>(id), std::bit_cast<float>(sphere.material), 0, 0}});
+      packed.spheres.push_back(
+          {row(sphere.center, sphere.radius), {std::bit_cast<float>(id), std::bit_cast<float>(sphere.material), 0, 0}});
     } else {
       place[i] = sphereCount + uint(packed.triangles.size());
       const Triangle& triangle = local.triangles[id - sphereCount];
@@ -139,8 +145,8 @@ PackedScene packScene(const Scene& local, const Bvh& bvh) {
   packed.nodes.reserve(bvh.nodes.size());
   for (const Bvh::Node& node : bvh.nodes) {
     const auto& [a, b] = node.children;
-    packed.nodes.push_back({row(a.box.lo, packedReference(a)), row(a.box.hi, packedReference(b)), row(b.box.lo),
-                            row(b.box.hi)});
+    packed.nodes.push_back(
+        {row(a.box.lo, packedReference(a)), row(a.box.hi, packedReference(b)), row(b.box.lo), row(b.box.hi)});
   }
   if (!bvh.order.empty()) packed.view.root = packedReference(bvh.root);
 
@@ -149,8 +155,7 @@ PackedScene packScene(const Scene& local, const Bvh& bvh) {
     packed.materials.push_back({row(material.diffuse, material.reflect), row(material.specular, material.transmit),
                                 row({material.shininess, material.ior, material.localWeight})});
   for (const Light& light : local.lights)
-    packed.lights.push_back(
-        {row(light.position, uint(light.falloff == Falloff::inverseSquare)), row(light.color)});
+    packed.lights.push_back({row(light.position, uint(light.falloff == Falloff::inverseSquare)), row(light.color)});
   return packed;
 }
 

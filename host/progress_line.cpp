@@ -28,8 +28,8 @@ void ProgressLine::operator()(double share) {
   shown_ = true;
   const double rate = share * samples_ / elapsed.count();
   const double left = elapsed.count() * (1 - share) / share;
-  const std::string text = fmt::format("{}: {:3.0f} %, {:.3g} Msamples/s, {:.0f} s left", what_, 100 * share, rate * 1e-6,
-                                       left);
+  const std::string text =
+      fmt::format("{}: {:3.0f} %, {:.3g} Msamples/s, {:.0f} s left", what_, 100 * share, rate * 1e-6, left);
   // Spaces wipe what a longer line before has left.
   if (terminal_)
     fmt::print(stderr, "\r{:<70}", text);

@@ -20,8 +20,8 @@ glm::dmat4 worldToCamera(const Camera& camera) {
   return matrix;
 }
 
-// To (0,0) at the top left corner of the full picture and (1,1) at its bottom right, after division by w. The depth there
-// is 1/z, so that the matrix can be inverted.
+// To (0,0) at the top left corner of the full picture and (1,1) at its bottom right, after division by w. The depth
+// there is 1/z, so that the matrix can be inverted.
 glm::dmat4 cameraToNdc(const Camera& camera, int width, int height) {
   const double halfHeight = cameraBasis(camera).tanHalfFov;
   const double halfWidth = halfHeight * width / height;
@@ -38,9 +38,10 @@ glm::dmat4 cameraToNdc(const Camera& camera, int width, int height) {
 }  // namespace
 
 std::string optionsText(const RenderSettings& settings, const std::string& backend) {
-  return fmt::format("--width {} --height {} --samples {} --depth {} --sampler {} --seed {} --min-weight {} --backend {}",
-                     settings.width, settings.height, settings.samples, settings.depth,
-                     settings.sampler == Sampler::grid ? "grid" : "jitter", settings.seed, settings.minWeight, backend);
+  return fmt::format(
+      "--width {} --height {} --samples {} --depth {} --sampler {} --seed {} --min-weight {} --backend {}",
+      settings.width, settings.height, settings.samples, settings.depth,
+      settings.sampler == Sampler::grid ? "grid" : "jitter", settings.seed, settings.minWeight, backend);
 }
 
 Provenance makeProvenance(const Scene& scene, const RenderSettings& settings, const std::string& backend,

@@ -12,7 +12,8 @@ namespace turner {
 // The options that the picture depends on, as one would type them.
 std::string optionsText(const RenderSettings& settings, const std::string& backend);
 
-// `device` and `driver` name what rendered it. No dates or timings: the file depends on scene, options and device alone.
+// `device` and `driver` name what rendered it. No dates or timings: the file depends on scene, options and device
+// alone.
 Provenance makeProvenance(const Scene& scene, const RenderSettings& settings, const std::string& backend,
                           const std::string& device, const std::string& driver);
 

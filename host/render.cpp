@@ -15,7 +15,9 @@ namespace {
 using gpu::uint;
 using Clock = std::chrono::steady_clock;
 
-double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+double secondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
 
 // A dispatch should take about this long: below any watchdog (2 s on Windows, 5 s and more on Linux) and short enough
 // for progress and Ctrl-C, long enough to be worth its submission.
@@ -78,9 +80,9 @@ Pipeline makePipeline(const Device& device, const Spirv& kernel, const Features&
   constants[gpu::kSpecSegments] = dispatching.segments;
   constants[gpu::kSpecSteps] = dispatching.steps;
   std::array<vk::SpecializationMapEntry, constants.size()> entries;
-  for (uint i = 0; i < entries.size(); ++i) entries[i] = vk::SpecializationMapEntry(i, uint(i * sizeof(uint)), sizeof(uint));
-  const vk::SpecializationInfo specialization(uint(entries.size()), entries.data(), sizeof constants,
-                                              constants.data());
+  for (uint i = 0; i < entries.size(); ++i)
+    entries[i] = vk::SpecializationMapEntry(i, uint(i * sizeof(uint)), sizeof(uint));
+  const vk::SpecializationInfo specialization(uint(entries.size()), entries.data(), sizeof constants, constants.data());
 
   Pipeline result{makeSetLayout(device), nullptr, nullptr};
   const vk::PushConstantRange tile(vk::ShaderStageFlagBits::eCompute, 0, sizeof(gpu::Tile));
@@ -125,8 +127,8 @@ struct ShaderRenderer::Parts {
   explicit Parts(const DeviceInfo& info) : device(info) {
     const uint bindings = device.limits().maxPerStageDescriptorStorageBuffers;
     if (bindings < gpu::kBindCount)
-      throw RunError("the device " + info.name + " binds " + std::to_string(bindings) + " storage buffers; turner needs " +
-                     std::to_string(gpu::kBindCount));
+      throw RunError("the device " + info.name + " binds " + std::to_string(bindings) +
+                     " storage buffers; turner needs " + std::to_string(gpu::kBindCount));
   }
 
   uint threads() const { return device.isCpu() ? std::max(1u, std::thread::hardware_concurrency()) : 1; }
@@ -163,13 +165,15 @@ int ShaderRenderer::Parts::tileSide(const Dispatching& dispatching, int depth) c
   // A CPU wants its working set small; a GPU wants more invocations than it has lanes (17,000 on a large one).
   int side = dispatching.tile > 0 ? dispatching.tile : device.isCpu() ? 128 : 512;
   const vk::DeviceSize most = std::min<vk::DeviceSize>(kStateBytes, device.limits().maxStorageBufferRange);
-  while (side > 8 && vk::DeviceSize(side) * vk::DeviceSize(side) * gpu::stateRows(uint(depth)) * sizeof(gpu::Row) > most)
+  while (side > 8 &&
+         vk::DeviceSize(side) * vk::DeviceSize(side) * gpu::stateRows(uint(depth)) * sizeof(gpu::Row) > most)
     side = std::max(8, side / 2 / 8 * 8);
   return side;
 }
 
 void ShaderRenderer::Parts::checkWorkGroup(int size) const {
-  const uint most = std::min(device.limits().maxComputeWorkGroupInvocations, device.limits().maxComputeWorkGroupSize[0]);
+  const uint most =
+      std::min(device.limits().maxComputeWorkGroupInvocations, device.limits().maxComputeWorkGroupSize[0]);
   if (size < 1 || uint(size) > most)
     throw InputError("a work-group of " + std::to_string(size) + " invocations: the device " + device.info().name +
                      " takes 1 to " + std::to_string(most));
@@ -190,7 +194,8 @@ ShaderRenderer::Parts::Passes::Passes(Parts& owner, const Spirv& kernel, const R
   }
   const std::vector<gpu::Frame> frames = {packFrame(parts.view, settings, parts.threads())};
   frame = device.upload(bytesOf(frames), "frame");
-  state = device.storageBuffer(vk::DeviceSize(slots) * gpu::stateRows(uint(settings.depth)) * sizeof(gpu::Row), "state");
+  state =
+      device.storageBuffer(vk::DeviceSize(slots) * gpu::stateRows(uint(settings.depth)) * sizeof(gpu::Row), "state");
   pixels = device.storageBuffer(vk::DeviceSize(area) * 3 * sizeof(float), "pixels");
   status = device.storageBuffer(sizeof(gpu::Status), "status");
   hostStatus = device.hostBuffer(sizeof(gpu::Status), "status on the host");
@@ -282,8 +287,9 @@ void ShaderRenderer::Parts::Passes::traceTile(gpu::Tile tile, const std::functio
         parts.groupsPerDispatch = std::min(parts.groupsPerDispatch * 2, 1u << 20);
       last = readStatus();
       if (last.limiter > 0)
-        throw RunError("the driver of " + device.info().name +
-                       " ended the kernel's loops early (a loop limiter); the picture would be wrong and is not written");
+        throw RunError(
+            "the driver of " + device.info().name +
+            " ended the kernel's loops early (a loop limiter); the picture would be wrong and is not written");
       if (progress) progress(double(tile.firstGroup) / allGroups);
     }
     if (progress) progress(1 - double(last.unfinished) / tile.slots);

@@ -6,8 +6,12 @@
 namespace turner {
 namespace {
 
-double rounded(double x) { return double(float(x)); }
-glm::dvec3 rounded(const glm::dvec3& v) { return {rounded(v.x), rounded(v.y), rounded(v.z)}; }
+double rounded(double x) {
+  return double(float(x));
+}
+glm::dvec3 rounded(const glm::dvec3& v) {
+  return {rounded(v.x), rounded(v.y), rounded(v.z)};
+}
 
 }  // namespace
 
@@ -34,8 +38,8 @@ Scene roundScene(const Scene& scene) {
   for (Material& material : local.materials) {
     material.diffuse = rounded(material.diffuse);
     material.specular = rounded(material.specular);
-    for (double* value : {&material.shininess, &material.reflect, &material.transmit, &material.ior,
-                          &material.localWeight})
+    for (double* value :
+         {&material.shininess, &material.reflect, &material.transmit, &material.ior, &material.localWeight})
       *value = rounded(*value);
   }
   for (Sphere& sphere : local.spheres) {

@@ -12,13 +12,13 @@ namespace turner {
 enum class Sampler { grid, jitter };
 
 struct RenderSettings {
-  int width = 512, height = 512;      // of the full picture, pixels
-  Window crop{0, 0, 512, 512};        // the part to render
-  int samples = 1;                    // n of the n x n grid in each pixel
-  Sampler sampler = Sampler::grid;    // cell centres, or hashed positions inside the cells
-  uint32_t seed = 0;                  // of the jitter's hash
-  int depth = 5;                      // levels of the ray tree, the eye ray being level 1
-  float minWeight = 0;                // rays whose product of r and t factors is below this are dropped
+  int width = 512, height = 512;    // of the full picture, pixels
+  Window crop{0, 0, 512, 512};      // the part to render
+  int samples = 1;                  // n of the n x n grid in each pixel
+  Sampler sampler = Sampler::grid;  // cell centres, or hashed positions inside the cells
+  uint32_t seed = 0;                // of the jitter's hash
+  int depth = 5;                    // levels of the ray tree, the eye ray being level 1
+  float minWeight = 0;              // rays whose product of r and t factors is below this are dropped
 };
 
 // Rays that were spawned, by kind; see "Counted is what is spawned" in docs/light_transport.md.

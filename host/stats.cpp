@@ -98,7 +98,8 @@ std::string statsJson(const Stats& stats) {
       json.put("readback", stats.seconds.readback);
       json.put("total", stats.seconds.total);
     });
-    json.put("mrays_per_second", stats.seconds.trace > 0 ? double(stats.rays.total()) / stats.seconds.trace * 1e-6 : 0.0);
+    json.put("mrays_per_second",
+             stats.seconds.trace > 0 ? double(stats.rays.total()) / stats.seconds.trace * 1e-6 : 0.0);
     json.object("tree", [&] {
       const size_t primitives = stats.spheres + stats.triangles;
       json.put("nodes", stats.treeNodes);

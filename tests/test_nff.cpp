@@ -171,8 +171,9 @@ void checkCone(const glm::dvec3& axis, double baseRadius, double apexRadius) {
   std::snprintf(line, sizeof line, "c 0 0 0 %.17g %.17g %.17g %.17g %.17g\n", baseRadius, axis.x, axis.y, axis.z,
                 apexRadius);
   const Scene scene = parse(kMaterial + line);
-  const size_t perSegment = baseRadius == 0 || apexRadius == 0 ? 1 : 2;
-  ASSERT_EQ(scene.triangles.size(), perSegment * kConeSegments);
+  const int pieces = conePieces(length, std::max(r0, r1));
+  const int stripsAtATip = baseRadius == 0 || apexRadius == 0 ? 1 : 0;
+  ASSERT_EQ(scene.triangles.size(), size_t(2 * pieces - stripsAtATip) * kConeSegments);
   double area = 0;
   for (const Triangle& triangle : scene.triangles) {
     ASSERT_LT(triangle.normals, scene.normals.size());
@@ -181,16 +182,17 @@ void checkCone(const glm::dvec3& axis, double baseRadius, double apexRadius) {
     area += glm::length(areaVector);
     for (int k = 0; k < 3; ++k) {
       const glm::dvec3 vertex = triangle.vertices[k], normal = scene.normals[triangle.normals][k];
-      const bool atApex = glm::dot(vertex, axis) > length * length / 2;
-      const glm::dvec3 spoke = atApex ? vertex - axis : vertex;
-      const double radius = atApex ? r1 : r0;
-      // The rim of the apex carries the rounding of the apex's own coordinates too.
-      EXPECT_NEAR(glm::length(spoke), radius, 1e-15 * radius + (atApex ? 2e-16 * length : 0));
+      // On one of the rims: those of base and apex, and as many between them as the pieces need.
+      const double rim = std::round(glm::dot(vertex, axis) / (length * length) * pieces), height = rim / pieces;
+      const glm::dvec3 spoke = vertex - height * axis;
+      const double radius = r0 + height * (r1 - r0);
+      // All but the base's carry the rounding of their centre's own coordinates too.
+      EXPECT_NEAR(glm::length(spoke), radius, 1e-15 * std::max(r0, r1) + (rim > 0 ? 4e-16 * length : 0));
       EXPECT_NEAR(glm::length(normal), 1, 1e-14);
       EXPECT_GT(glm::dot(normal, areaVector), 0) << "normal and winding disagree";
       const glm::dvec3 middle = (a + b + c) / 3.0 - axis * (glm::dot((a + b + c) / 3.0, axis) / (length * length));
       EXPECT_GT(sign * glm::dot(areaVector, middle), 0) << "wound to the wrong side";
-      if (radius == 0) continue;
+      if (radius < 1e-12) continue;
       const glm::dvec3 outward = spoke / radius, slant = axis + (r1 - r0) * outward;
       EXPECT_NEAR(glm::dot(normal, slant), 0, 1e-13 * glm::length(slant));
       EXPECT_NEAR(glm::dot(normal, glm::cross(axis, outward)), 0, 1e-13 * length);
@@ -385,7 +387,8 @@ TEST(Nff, SharedScenesHaveTheirPublishedCounts) {
     std::cout << "the folder of the SPD scenes is absent: their counts are not checked\n";
     return;
   }
-  const size_t strip = 2 * kConeSegments;
+  // The rings' cylinders are 14.8 radii long: four pieces each.
+  const size_t strip = 4 * 2 * kConeSegments;
   for (const Expected& expected : {Expected{"balls.nff", 3, 7381, 2, 0},
                                    {"gears.nff", 5, 0, 9217 * 2 + 128 * 142, 0},
                                    {"mount.nff", 1, 4, 8192, 0},
