@@ -50,7 +50,9 @@ void addRenderOptions(CLI::App& command, RenderOptions& options) {
         const bool good = parseInteger(text, side) == NumberFault::none && side >= 8 && side <= 4096 && side % 8 == 0;
         return good ? std::string() : "must be a multiple of 8 from 8 to 4096, not " + text;
       });
-  command.add_option("--work-group", options.workGroup, "Invocations in a work-group; never changes the picture")
+  command
+      .add_option("--work-group", options.workGroup,
+                  "Invocations in a work-group, rounded up to whole subgroups; never changes the picture")
       ->capture_default_str();
 }
 

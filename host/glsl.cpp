@@ -29,22 +29,26 @@ class FileIncluder : public glslang::TShader::Includer {
 
   IncludeResult* includeLocal(const char* name, const char* includer, size_t depth) override {
     // glslang never ends a file that includes itself; no honest shader nests this deep.
-    if (depth > 32) return new IncludeResult("", kTooDeep, sizeof kTooDeep - 1, nullptr);
+    constexpr size_t kDeepest = 32;
     const std::string path = (std::filesystem::path(includer).parent_path() / name).string();
     auto text = std::make_unique<std::string>();
     try {
+      if (depth > kDeepest) throw InputError(path + ": error: includes nest too deep; does the file include itself?");
       *text = readTextFile(path);
     } catch (const InputError& error) {
-      // An empty name tells glslang that the include failed; the text is its message.
-      auto message = std::make_unique<std::string>(error.what());
-      auto* result = new IncludeResult("", message->data(), message->size(), message.get());
-      message.release();
-      return result;
+      failure_ = error.what();
+      return nullptr;
     }
     if (std::find(files_.begin(), files_.end(), path) == files_.end()) files_.push_back(path);
     auto* result = new IncludeResult(path, text->data(), text->size(), text.get());
     text.release();
     return result;
+  }
+
+  // Where glslang goes when includeLocal has failed: there are no other places, but this result carries the message.
+  IncludeResult* includeSystem(const char* name, const char*, size_t) override {
+    if (failure_.empty()) failure_ = std::string("#include <") + name + ">: write #include \"" + name + '"';
+    return new IncludeResult("", failure_.data(), failure_.size(), nullptr);
   }
 
   void releaseInclude(IncludeResult* result) override {
@@ -54,8 +58,8 @@ class FileIncluder : public glslang::TShader::Includer {
   }
 
  private:
-  static constexpr char kTooDeep[] = "includes nest too deep; does the file include itself?";
   std::vector<std::string>& files_;
+  std::string failure_;  // of the last include
 };
 
 // glslang says "ERROR: file:12: 'x' : undeclared identifier "; compilers and editors say "file:12: error: ...".
@@ -97,7 +101,7 @@ Spirv compileGlsl(const std::string& path) {
   shader.setEnvTarget(glslang::EShTargetSpv, glslang::EShTargetSpv_1_5);
   FileIncluder includer(spirv.files);
   const TBuiltInResource* limits = GetDefaultResources();
-  if (!shader.parse(limits, 460, ECoreProfile, true, true, kRules, includer))
+  if (!shader.parse(limits, 460, ECoreProfile, false, true, kRules, includer))
     throw InputError(diagnostics(shader.getInfoLog()));
 
   glslang::TProgram program;

@@ -162,9 +162,11 @@ Device::Device(const DeviceInfo& info) : info_(info) {
   if (size_t(info.index) >= devices.size()) throw RunError("the Vulkan device " + info.name + " has gone away");
   physical_.emplace(std::move(devices[size_t(info.index)]));
   const auto properties =
-      physical_->getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceMaintenance3Properties>();
+      physical_->getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceMaintenance3Properties,
+                                vk::PhysicalDeviceSubgroupProperties>();
   limits_ = properties.get<vk::PhysicalDeviceProperties2>().properties.limits;
   maxAllocation_ = properties.get<vk::PhysicalDeviceMaintenance3Properties>().maxMemoryAllocationSize;
+  subgroupSize_ = std::max(1u, properties.get<vk::PhysicalDeviceSubgroupProperties>().subgroupSize);
   queueFamily_ = computeFamily(*physical_).value();
   timestampBits_ = physical_->getQueueFamilyProperties()[queueFamily_].timestampValidBits;
   debugNames_ = instance_.hasDebugNames();

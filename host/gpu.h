@@ -53,6 +53,7 @@ class Device {
   const vk::raii::Device& vulkan() const { return *device_; }
   const vk::PhysicalDeviceLimits& limits() const { return limits_; }
   bool isCpu() const { return info_.type == "CPU"; }
+  uint32_t subgroupSize() const { return subgroupSize_; }
 
   // A storage buffer on the device. Throws InputError when it exceeds a limit of the device, RunError when the memory
   // is exhausted; both name the buffer and its size.
@@ -86,6 +87,7 @@ class Device {
   vk::DeviceSize maxAllocation_ = 0;
   uint32_t queueFamily_ = 0;
   uint32_t timestampBits_ = 0;
+  uint32_t subgroupSize_ = 1;
   bool debugNames_ = false;
   std::optional<vk::raii::Device> device_;
   std::optional<vk::raii::Queue> queue_;

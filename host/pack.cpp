@@ -134,8 +134,9 @@ PackedScene packScene(const Scene& local, const Bvh& bvh) {
       // A triangle that rounding has made flat has no normal, and no ray finds it.
       const glm::dvec3 cross = glm::cross(b - a, c - a);
       const double length = glm::length(cross);
-      packed.triangles.push_back({row(a, id), row(b, triangle.material), row(c, triangle.normals),
-                                  row(length > 0 ? cross / length : glm::dvec3(0))});
+      const glm::dvec3 normal = length > 0 ? cross / length : glm::dvec3(0);
+      packed.triangles.push_back(
+          {row(a, id), row(b, triangle.material), row(c, triangle.normals), row(normal, glm::dot(normal, a))});
     }
   }
   const auto packedReference = [&](BvhChild child) {

@@ -62,9 +62,9 @@ vk::raii::DescriptorSetLayout makeSetLayout(const Device& device) {
 }
 
 Pipeline makePipeline(const Device& device, const Spirv& kernel, const Features& features,
-                      const RenderSettings& settings, const Dispatching& dispatching, bool counters) {
+                      const RenderSettings& settings, const Dispatching& dispatching, uint workGroup, bool counters) {
   std::array<uint, gpu::kSpecSteps + 1> constants{};
-  constants[gpu::kSpecWorkGroup] = uint(dispatching.workGroup);
+  constants[gpu::kSpecWorkGroup] = workGroup;
   constants[gpu::kSpecDepth] = uint(settings.depth);
   constants[gpu::kSpecSamples] = uint(settings.samples);
   constants[gpu::kSpecLights] = features.lights;
@@ -133,7 +133,7 @@ struct ShaderRenderer::Parts {
 
   uint threads() const { return device.isCpu() ? std::max(1u, std::thread::hardware_concurrency()) : 1; }
   int tileSide(const Dispatching& dispatching, int depth) const;
-  void checkWorkGroup(int size) const;
+  uint workGroupSize(int wanted) const;
 
   struct Passes;
 };
@@ -142,11 +142,11 @@ struct ShaderRenderer::Parts {
 struct ShaderRenderer::Parts::Passes {
   Parts& parts;
   const Device& device;
+  uint workGroup;
   Pipeline pipeline;
   Buffer frame, state, pixels, status, hostPixels, hostStatus;
   std::optional<vk::raii::DescriptorPool> pool;
   std::optional<vk::raii::DescriptorSet> set;
-  uint workGroup;
   std::vector<gpu::Tile> tiles;
   double traceSeconds = 0;
 
@@ -171,20 +171,23 @@ int ShaderRenderer::Parts::tileSide(const Dispatching& dispatching, int depth) c
   return side;
 }
 
-void ShaderRenderer::Parts::checkWorkGroup(int size) const {
+uint ShaderRenderer::Parts::workGroupSize(int wanted) const {
   const uint most =
       std::min(device.limits().maxComputeWorkGroupInvocations, device.limits().maxComputeWorkGroupSize[0]);
-  if (size < 1 || uint(size) > most)
-    throw InputError("a work-group of " + std::to_string(size) + " invocations: the device " + device.info().name +
+  if (wanted < 1 || uint(wanted) > most)
+    throw InputError("a work-group of " + std::to_string(wanted) + " invocations: the device " + device.info().name +
                      " takes 1 to " + std::to_string(most));
+  // Part of a subgroup would leave lanes that are never active; lavapipe 22.3 lets those run its loops to the limiter.
+  const uint subgroup = device.subgroupSize();
+  return std::min(most, (uint(wanted) + subgroup - 1) / subgroup * subgroup);
 }
 
 ShaderRenderer::Parts::Passes::Passes(Parts& owner, const Spirv& kernel, const RenderSettings& settings,
                                       const Dispatching& dispatching, bool counters)
     : parts(owner),
       device(owner.device),
-      pipeline(makePipeline(owner.device, kernel, owner.features, settings, dispatching, counters)),
-      workGroup(uint(dispatching.workGroup)) {
+      workGroup(owner.workGroupSize(dispatching.workGroup)),
+      pipeline(makePipeline(owner.device, kernel, owner.features, settings, dispatching, workGroup, counters)) {
   const int side = parts.tileSide(dispatching, settings.depth);
   tiles = cutIntoTiles(settings.crop, side);
   uint slots = 0, area = 0;
@@ -317,7 +320,6 @@ ShaderPicture ShaderRenderer::render(const Spirv& kernel, const RenderSettings& 
                                      const Dispatching& dispatching) {
   ShaderPicture picture;
   picture.image = Image(settings.width, settings.height, settings.crop);
-  parts_->checkWorkGroup(dispatching.workGroup);
 
   Clock::time_point start = Clock::now();
   Parts::Passes passes(*parts_, kernel, settings, dispatching, false);
@@ -352,7 +354,6 @@ ShaderPicture ShaderRenderer::render(const Spirv& kernel, const RenderSettings& 
 
 RayCounts ShaderRenderer::countRays(const Spirv& kernel, const RenderSettings& settings, const Progress& progress,
                                     const Dispatching& dispatching) {
-  parts_->checkWorkGroup(dispatching.workGroup);
   Parts::Passes passes(*parts_, kernel, settings, dispatching, true);
   RayCounts counts;
   size_t done = 0;

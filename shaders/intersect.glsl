@@ -61,13 +61,14 @@ float hitSphere(Ray ray, vec3 center, float radius, bool leavesIt) {
   return near > 0.0 ? near : far > 0.0 ? far : kNoHit;
 }
 
-// The signed areas of a triangle's edges as the ray sees them, and its distance (Woop, Benthin, Wald, JCGT 2(1), 2013).
-// Watertight without a wider type: each product is rounded by itself, so that a difference has the right sign or is 0,
-// and the neighbour across an edge gets exactly the opposite.
+// The signed areas of a triangle's edges as the ray sees them (Woop, Benthin, Wald, JCGT 2(1), 2013). Watertight without
+// a wider type: each product is rounded by itself, so that a difference has the right sign or is 0, and the neighbour
+// across an edge gets exactly the opposite.
 struct Edges {
-  vec3 uvw;   // weights of the vertices, times det
-  float det;  // 0: seen edge-on
-  float t;    // distance, or kNoHit
+  bool inside;
+  vec3 weights;        // of the vertices, times det
+  float det;           // 0: seen edge-on, not inside
+  float tNear, tFar;   // distances of the nearest and the farthest vertex, measured along the ray's largest component
 };
 
 Edges triangleEdges(Ray ray, RayFactors factors, vec3 v0, vec3 v1, vec3 v2) {
@@ -81,14 +82,16 @@ Edges triangleEdges(Ray ray, RayFactors factors, vec3 v0, vec3 v1, vec3 v2) {
   precise float v = as.x * cs.y - as.y * cs.x;
   precise float w = bs.x * as.y - bs.y * as.x;
   precise float det = u + v + w;
-  Edges edges;
-  edges.uvw = vec3(u, v, w);
-  edges.det = det;
-  edges.t = kNoHit;
   bool outside = min(min(u, v), w) < 0.0 && max(max(u, v), w) > 0.0;
-  if (!outside && det != 0.0) {
-    precise float t = (u * a.z + v * b.z + w * c.z) * factors.shear.z / det;
-    if (t > 0.0) edges.t = t;
-  }
-  return edges;
+  vec3 t = vec3(a.z, b.z, c.z) * factors.shear.z;
+  return Edges(!outside && det != 0.0, vec3(u, v, w), det, min(min(t.x, t.y), t.z), max(max(t.x, t.y), t.z));
+}
+
+// Distance to a triangle's plane, which is better than the one that the edges give: on thin triangles by far, and beside
+// the eye of a huge one. Kept between the vertices, because the plane of a triangle seen nearly edge-on tells nothing.
+float planeDistance(Ray ray, Edges edges, vec3 normal, float offset) {
+  precise float slope = dot(normal, ray.direction);
+  precise float t = (offset - dot(normal, ray.origin)) / slope;
+  if (slope == 0.0) t = edges.tNear;
+  return clamp(t, edges.tNear, edges.tFar);
 }

@@ -121,7 +121,7 @@ struct Triangle {
   Row v0;      // w: id
   Row v1;      // w: material
   Row v2;      // w: index of its vertex normals, or kRefNone
-  Row normal;  // unit, counter-clockwise side; computed in double by the host. w: unused
+  Row normal;  // of its plane, N.x = w (a float): unit, counter-clockwise side, computed in double by the host
 };
 
 struct VertexNormals {

@@ -1,6 +1,8 @@
 // What happens where a ray meets a surface: docs/light_transport.md, sentence by sentence. V points back along the ray,
 // L to a light, N is the shading normal Ns, H the half vector (Blinn 1977).
 
+const float kMarginRoundings = 8.0 * 5.9604645e-8;
+
 struct Surface {
   vec3 point;
   vec3 Ng, Ns;   // unit, both on the side that the ray came from
@@ -32,26 +34,22 @@ Surface surfaceAt(Ray ray, float t, uint primitive) {
     surface.material = spheres[index].tags.y;
   }
   if (TRIANGLES && (primitive & kRefTriangle) != 0u) {
-    Row row1 = triangles[index].v1, row2 = triangles[index].v2;
-    vec3 v0 = xyz(triangles[index].v0), v1 = xyz(row1), v2 = xyz(row2);
-    surface.Ng = xyz(triangles[index].normal);
+    Row row1 = triangles[index].v1, row2 = triangles[index].v2, plane = triangles[index].normal;
+    surface.Ng = xyz(plane);
     surface.material = row1.w;
-    // The distance to the plane is better than the one of the edges on thin triangles; one more projection takes out
-    // the rounding of o + t d across the plane. Edge-on (0/0) the edges' distance stands.
-    float slope = dot(surface.Ng, ray.direction);
-    float tPlane = dot(surface.Ng, v0 - ray.origin) / slope;
-    vec3 point = ray.origin + (abs(slope) > 1e-6 ? tPlane : t) * ray.direction;
-    surface.point = point - surface.Ng * dot(surface.Ng, point - v0);
-    // Bound of the point's error across the plane, with the constants of NVIDIA's self-intersection avoidance (Wald et
-    // al. 2019: u for the base vertex, 3u for the extent), doubled. The largest axis serves all three: a bound for each
-    // axis fails on axis-aligned planes.
-    vec3 e1 = abs(v1 - v0), e2 = abs(v2 - v0);
-    float error = 1.1920929e-7 * largest(abs(v0)) + 3.5762787e-7 * largest(e1 + e2 + abs(e1 - e2));
-    surface.margin = error * (abs(surface.Ng.x) + abs(surface.Ng.y) + abs(surface.Ng.z));
+    // Put the point back on the plane.
+    vec3 point = ray.origin + t * ray.direction;
+    surface.point = point - surface.Ng * (dot(surface.Ng, point) - uintBitsToFloat(plane.w));
+    // How far that may be from the plane of a coplanar neighbour, by the kernel's arithmetic: each plane's N.x is off by
+    // about four roundings of the coordinates, and so is the point. The largest coordinate serves all three: a bound for
+    // each axis fails on axis-aligned planes.
+    surface.margin = kMarginRoundings * largest(abs(surface.point)) *
+                     (abs(surface.Ng.x) + abs(surface.Ng.y) + abs(surface.Ng.z));
     surface.Ns = surface.Ng;
     if (SMOOTH_NORMALS && row2.w != kRefNone) {
-      Edges edges = triangleEdges(ray, rayFactors(ray.direction), v0, v1, v2);
-      vec3 weights = edges.uvw / edges.det;
+      vec3 v0 = xyz(triangles[index].v0);
+      Edges edges = triangleEdges(ray, rayFactors(ray.direction), v0, xyz(row1), xyz(row2));
+      vec3 weights = edges.weights / edges.det;
       vec3 Ns = weights.x * xyz(vertexNormals[row2.w].n0) + weights.y * xyz(vertexNormals[row2.w].n1) +
                 weights.z * xyz(vertexNormals[row2.w].n2);
       float squared = dot(Ns, Ns);

@@ -43,7 +43,12 @@ void visitPrimitive(Ray ray, RayFactors factors, inout Walk walk) {
   }
   if (TRIANGLES && isTriangle && !leavesIt) {
     vec3 v0 = xyz(triangles[index].v0), v1 = xyz(triangles[index].v1), v2 = xyz(triangles[index].v2);
-    t = triangleEdges(ray, factors, v0, v1, v2).t;
+    Edges edges = triangleEdges(ray, factors, v0, v1, v2);
+    if (edges.inside) {
+      Row plane = triangles[index].normal;
+      t = planeDistance(ray, edges, xyz(plane), uintBitsToFloat(plane.w));
+      if (t <= 0.0) t = kNoHit;
+    }
   }
   takeHit(walk, t, primitive);
 }

@@ -9,6 +9,7 @@
 
 #include "closed_form.h"
 #include "reference.h"
+#include "shader_harness.h"
 
 namespace turner {
 namespace {
@@ -26,6 +27,8 @@ std::vector<Renderer> allRenderers() {
   return {
       {"Reference",
        [](const Scene& scene, const RenderSettings& settings) { return renderReference(scene, settings).image; }},
+      {"Shader",
+       [](const Scene& scene, const RenderSettings& settings) { return test::renderShader(scene, settings); }},
   };
 }
 

@@ -1,0 +1,53 @@
+// The shader's path from a scene to a picture, for tests: one device and one compiled kernel for the whole program.
+// Without a Vulkan device these throw, and the test fails.
+#pragma once
+
+#include <string>
+
+#include "bvh.h"
+#include "devices.h"
+#include "glsl.h"
+#include "pack.h"
+#include "render.h"
+#include "round_scene.h"
+#include "settings.h"
+
+namespace turner::test {
+
+inline const Spirv& kernel() {
+  static const Spirv spirv = compileGlsl(TURNER_SHADERS_DIR "/whitted.comp");
+  return spirv;
+}
+
+inline ShaderRenderer& renderer() {
+  static ShaderRenderer renderer(chooseDevice(listDevices(), ""));
+  return renderer;
+}
+
+inline PackedScene packed(const Scene& scene) {
+  const Scene local = roundScene(scene);
+  return packScene(local, buildBvh(primitiveBoxes(local), local.spheres.size()));
+}
+
+inline Image renderShader(const Scene& scene, const RenderSettings& settings, const Dispatching& dispatching = {}) {
+  renderer().upload(packed(scene));
+  return renderer().render(kernel(), settings, {}, dispatching).image;
+}
+
+inline RayCounts countShaderRays(const Scene& scene, const RenderSettings& settings,
+                                 const Dispatching& dispatching = {}) {
+  renderer().upload(packed(scene));
+  return renderer().countRays(kernel(), settings, {}, dispatching);
+}
+
+inline RenderSettings settingsOf(const Scene& scene, int width, int height, int samples = 1) {
+  RenderSettings settings;
+  settings.width = width;
+  settings.height = height;
+  settings.crop = {0, 0, width, height};
+  settings.samples = samples;
+  settings.depth = scene.depth;
+  return settings;
+}
+
+}  // namespace turner::test
