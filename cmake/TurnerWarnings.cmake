@@ -7,9 +7,6 @@ target_compile_options(turner_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshad
   # g++ 12.2 loses double(float(x)) where it vectorises straight-line code: two components of three stay unrounded
   # (RoundScene.GivesValuesThatAreFloats catches it).
   $<$<CXX_COMPILER_ID:GNU>:-fno-tree-slp-vectorize>)
-if(TURNER_WERROR)
-  target_compile_options(turner_warnings INTERFACE -Werror)
-endif()
 if(TURNER_SANITIZE)
   target_compile_options(turner_warnings INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=undefined
     -fno-omit-frame-pointer)

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cctype>
 #include <chrono>
 #include <cstdlib>
@@ -56,6 +57,14 @@ void checkOutput(const std::string& path, bool mayBePng) {
   if (extension != ".exr" && !(mayBePng && extension == ".png"))
     throw InputError("cannot write '" + path + "': its name must end in .exr" + (mayBePng ? " or .png" : ""));
   checkWritable(path);
+}
+
+// Two outputs of one name would leave only the last.
+void refuseRepeated(std::vector<std::string> files) {
+  for (std::string& file : files) file = std::filesystem::absolute(file).lexically_normal().string();
+  std::sort(files.begin(), files.end());
+  const auto twice = std::adjacent_find(files.begin(), files.end());
+  if (twice != files.end()) throw InputError("the output " + *twice + " is named twice");
 }
 
 void writePicture(const std::string& path, const Image& image, const Provenance& provenance) {
@@ -172,7 +181,12 @@ int runRender(const RenderOptions& options) {
   std::vector<std::string> outputs = options.outputs;
   if (outputs.empty()) outputs = {std::filesystem::path(options.scene).stem().string() + ".exr"};
   for (const std::string& output : outputs) checkOutput(output, true);
-  if (!options.stats.empty()) checkWritable(options.stats);
+  std::vector<std::string> files = outputs;
+  if (!options.stats.empty()) {
+    checkWritable(options.stats);
+    files.push_back(options.stats);
+  }
+  refuseRepeated(files);
 
   const Scene scene = loadAndTell(options);
   const RenderSettings settings = settingsFor(scene, options);

@@ -27,7 +27,7 @@ std::string describe(const Image& image) {
 
 void checkSameWindows(const Image& a, const Image& b) {
   if (a.width != b.width || a.height != b.height || !(a.window == b.window)) {
-    throw InputError("error: the pictures cannot be compared: A has " + describe(a) + ", B has " + describe(b));
+    throw InputError("the pictures cannot be compared: A has " + describe(a) + ", B has " + describe(b));
   }
   assert(a.rgb.size() == 3 * a.window.area() && b.rgb.size() == a.rgb.size());
 }

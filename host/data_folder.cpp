@@ -23,7 +23,7 @@ std::string shaderFolder(const std::string& wanted) {
   const std::string folder = wanted.empty() ? dataFolder() + "/shaders" : wanted;
   std::error_code ignored;
   if (!fs::is_directory(folder, ignored))
-    throw InputError("the shader folder " + folder + " does not exist; --shaders names the one with whitted.comp");
+    throw InputError("there is no folder " + folder + "; --shaders names the one with whitted.comp");
   return folder;
 }
 

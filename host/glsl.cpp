@@ -33,10 +33,11 @@ class FileIncluder : public glslang::TShader::Includer {
     const std::string path = (std::filesystem::path(includer).parent_path() / name).string();
     auto text = std::make_unique<std::string>();
     try {
-      if (depth > kDeepest) throw InputError(path + ": error: includes nest too deep; does the file include itself?");
+      if (depth > kDeepest) throw InputError("includes nest too deep; does the file include itself?");
       *text = readTextFile(path);
     } catch (const InputError& error) {
-      failure_ = error.what();
+      // Its place is the including line, which glslang adds.
+      failure_ = std::regex_replace(error.what(), std::regex(": error: "), ": ");
       return nullptr;
     }
     if (std::find(files_.begin(), files_.end(), path) == files_.end()) files_.push_back(path);
@@ -62,23 +63,25 @@ class FileIncluder : public glslang::TShader::Includer {
   std::string failure_;  // of the last include
 };
 
-// glslang says "ERROR: file:12: 'x' : undeclared identifier "; compilers and editors say "file:12: error: ...".
-std::string diagnostics(const std::string& log) {
-  static const std::regex kind("^(ERROR|WARNING): (.*?):([0-9]+): (.*?) *$");
+// The first error of a log, in the form of compilers and editors: "file:12: error: ...". glslang says "ERROR: file:12:
+// ..." and stops at the first error that is one; what follows are its consequences.
+std::string firstError(const std::string& log, const std::string& path) {
+  static const std::regex placed("^ERROR: (.*?):([0-9]+): (.*?)( for header name: .*)? *$");
+  static const std::regex linked("^ERROR: Linking compute stage: (.*?) *$");
   std::istringstream lines(log);
-  std::string result, line;
+  std::string line;
   while (std::getline(lines, line)) {
     std::smatch match;
-    if (std::regex_match(line, match, kind))
-      line =
-          match[2].str() + ':' + match[3].str() + (match[1] == "ERROR" ? ": error: " : ": warning: ") + match[4].str();
-    else if (line.empty() || line.find("compilation terminated") != std::string::npos ||
-             line.find("compilation errors.") != std::string::npos)
-      continue;  // a tally, not a fault
-    if (!result.empty()) result += '\n';
-    result += line;
+    if (std::regex_match(line, match, placed))
+      return match[1].str() + ':' + match[2].str() + ": error: " + match[3].str();
+    if (std::regex_match(line, match, linked)) {
+      // The name that is missing stands in the next line.
+      std::string name;
+      if (std::getline(lines, name)) name.erase(0, name.find_first_not_of(' '));
+      return path + ": error: " + match[1].str() + (name.empty() ? "" : ' ' + name);
+    }
   }
-  return result;
+  return path + ": error: " + log;
 }
 
 }  // namespace
@@ -102,11 +105,11 @@ Spirv compileGlsl(const std::string& path) {
   FileIncluder includer(spirv.files);
   const TBuiltInResource* limits = GetDefaultResources();
   if (!shader.parse(limits, 460, ECoreProfile, false, true, kRules, includer))
-    throw InputError(diagnostics(shader.getInfoLog()));
+    throw InputError(firstError(shader.getInfoLog(), path));
 
   glslang::TProgram program;
   program.addShader(&shader);
-  if (!program.link(kRules)) throw InputError(path + ": error: " + diagnostics(program.getInfoLog()));
+  if (!program.link(kRules)) throw InputError(firstError(program.getInfoLog(), path));
   glslang::SpvOptions options;
   options.disableOptimizer = true;  // drivers optimise; lavapipe's and ours would do the same work twice
   glslang::GlslangToSpv(*program.getIntermediate(EShLangCompute), spirv.words, &options);

@@ -13,7 +13,7 @@ struct Spirv {
 };
 
 // Compiles a compute shader for Vulkan 1.2; #include "..." is looked for beside the including file.
-// Throws InputError with the compiler's messages as "file:line: error: ...", one a line.
+// Throws InputError with the compiler's first error as "file:line: error: ...".
 Spirv compileGlsl(const std::string& path);
 
 }  // namespace turner

@@ -1,9 +1,12 @@
 // Turns the command line into a command, and every error into one message and an exit code.
 
+#include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <exception>
 #include <new>
+#include <string>
 
 #include "commands.h"
 #include "errors.h"
@@ -37,11 +40,19 @@ int run(int argc, char** argv) {
   return kDone;
 }
 
+// What was printed is part of the result: a full disk behind stdout is a failure too.
+int flushed(int code) {
+  if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return code;
+  return tell((std::string("cannot write to standard output: ") + std::strerror(errno)).c_str(), kFailed);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  // A file-size limit shall be an error of the write, not the end of the process with a temporary file left over.
+  std::signal(SIGXFSZ, SIG_IGN);
   try {
-    return run(argc, argv);
+    return flushed(run(argc, argv));
   } catch (const turner::InputError& error) {
     return tell(error.what(), kWrongInput);
   } catch (const turner::Interrupted& error) {

@@ -110,7 +110,7 @@ std::string makeTemporary(const std::string& path, const fs::path& target, int& 
 }  // namespace
 
 void checkWritable(const std::string& path) {
-  if (path.empty()) throw InputError("error: the name of an output file is empty; name a file, such as picture.exr");
+  if (path.empty()) throw InputError("the name of an output file is empty; name a file, such as picture.exr");
 
   // Look at what is there.
   struct stat found {};

@@ -114,6 +114,12 @@ std::vector<gpu::Tile> cutIntoTiles(const Window& crop, int side) {
   return tiles;
 }
 
+// What of the whole picture is done when a share of one tile is.
+Progress tileProgress(const Progress& progress, size_t pixelsBefore, size_t pixels, size_t allPixels) {
+  if (!progress) return [](double) {};
+  return [=](double share) { progress((double(pixelsBefore) + share * double(pixels)) / double(allPixels)); };
+}
+
 }  // namespace
 
 struct ShaderRenderer::Parts {
@@ -153,7 +159,7 @@ struct ShaderRenderer::Parts::Passes {
   Passes(Parts& parts, const Spirv& kernel, const RenderSettings& settings, const Dispatching& dispatching,
          bool counters);
   void warmUp();
-  void traceTile(gpu::Tile tile, const std::function<void(double)>& progress);
+  void traceTile(gpu::Tile tile, const Progress& progress);
 
  private:
   void bind();
@@ -163,7 +169,7 @@ struct ShaderRenderer::Parts::Passes {
 
 int ShaderRenderer::Parts::tileSide(const Dispatching& dispatching, int depth) const {
   // A CPU wants its working set small; a GPU wants more invocations than it has lanes (17,000 on a large one).
-  int side = dispatching.tile > 0 ? dispatching.tile : device.isCpu() ? 128 : 512;
+  int side = dispatching.tile > 0 ? (dispatching.tile + 7) / 8 * 8 : device.isCpu() ? 128 : 512;
   const vk::DeviceSize most = std::min<vk::DeviceSize>(kStateBytes, device.limits().maxStorageBufferRange);
   while (side > 8 &&
          vk::DeviceSize(side) * vk::DeviceSize(side) * gpu::stateRows(uint(depth)) * sizeof(gpu::Row) > most)
@@ -263,7 +269,7 @@ void ShaderRenderer::Parts::Passes::warmUp() {
 }
 
 // Dispatches a tile again and again until all its pixels are finished.
-void ShaderRenderer::Parts::Passes::traceTile(gpu::Tile tile, const std::function<void(double)>& progress) {
+void ShaderRenderer::Parts::Passes::traceTile(gpu::Tile tile, const Progress& progress) {
   const uint allGroups = (tile.slots + workGroup - 1) / workGroup;
   bool fresh = true;
   gpu::Status last;
@@ -293,9 +299,9 @@ void ShaderRenderer::Parts::Passes::traceTile(gpu::Tile tile, const std::functio
         throw RunError(
             "the driver of " + device.info().name +
             " ended the kernel's loops early (a loop limiter); the picture would be wrong and is not written");
-      if (progress) progress(double(tile.firstGroup) / allGroups);
+      progress(double(tile.firstGroup) / allGroups);
     }
-    if (progress) progress(1 - double(last.unfinished) / tile.slots);
+    progress(1 - double(last.unfinished) / tile.slots);
   } while (last.unfinished > 0);
 }
 
@@ -329,9 +335,7 @@ ShaderPicture ShaderRenderer::render(const Spirv& kernel, const RenderSettings& 
   size_t done = 0;
   for (const gpu::Tile& tile : passes.tiles) {
     const size_t area = size_t(tile.width) * tile.height;
-    passes.traceTile(tile, [&](double share) {
-      if (progress) progress((double(done) + share * double(area)) / double(settings.crop.area()));
-    });
+    passes.traceTile(tile, tileProgress(progress, done, area, settings.crop.area()));
     done += area;
 
     start = Clock::now();
@@ -358,9 +362,9 @@ RayCounts ShaderRenderer::countRays(const Spirv& kernel, const RenderSettings& s
   RayCounts counts;
   size_t done = 0;
   for (const gpu::Tile& tile : passes.tiles) {
-    passes.traceTile(tile, {});
-    done += size_t(tile.width) * tile.height;
-    if (progress) progress(double(done) / double(settings.crop.area()));
+    const size_t area = size_t(tile.width) * tile.height;
+    passes.traceTile(tile, tileProgress(progress, done, area, settings.crop.area()));
+    done += area;
 
     const vk::DeviceSize rowBytes = vk::DeviceSize(tile.slots) * sizeof(gpu::Row);
     passes.device.run([&](const vk::raii::CommandBuffer& commands) {

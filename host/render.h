@@ -13,7 +13,7 @@ namespace turner {
 
 // How the work is cut. Never changes the picture.
 struct Dispatching {
-  int tile = 0;        // pixels on a tile's side, a multiple of 8; 0: what suits the device
+  int tile = 0;        // pixels on a tile's side, rounded up to a multiple of 8; 0: what suits the device
   int workGroup = 64;  // invocations in a work-group, rounded up to whole subgroups of the device
   // The kernel's bounds on one dispatch of an invocation, see layout.h. Tests set others.
   uint32_t segments = gpu::kSegments;

@@ -2,6 +2,7 @@
 // Without a Vulkan device these throw, and the test fails.
 #pragma once
 
+#include <cstdlib>
 #include <string>
 
 #include "bvh.h"
@@ -20,7 +21,8 @@ inline const Spirv& kernel() {
 }
 
 inline ShaderRenderer& renderer() {
-  static ShaderRenderer renderer(chooseDevice(listDevices(), ""));
+  const char* wanted = std::getenv("TURNER_DEVICE");
+  static ShaderRenderer renderer(chooseDevice(listDevices(), wanted ? wanted : ""));
   return renderer;
 }
 

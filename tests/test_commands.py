@@ -3,10 +3,9 @@
 
     python3 test_commands.py --program build/turner --scenes scenes [options of unittest]
 
-Every run is under the Vulkan validation layers. What every run must keep is checked by Command.run: no crash, no
-sanitizer's complaint, no foreign noise. What a failing run must keep is checked by Command.refuse: its exit code, one
-line on stderr for each fault, and a folder that is byte for byte as it was. The figures are small pictures' figures;
-whether pictures are right is other tests' business.
+Every run is under the Vulkan validation layers. What every run must keep is checked by Command.check_sane: no crash, no
+complaint of a sanitizer. What a failing run must keep is checked by Command.refuse: its exit code, one line on stderr
+for each fault, and a folder that is byte for byte as it was. Whether pictures are right is other tests' business.
 """
 
 import argparse
@@ -85,6 +84,9 @@ f 1 2 3
 """
 
 MESH_SCENE = '{ "materials": { "m": {} }, "meshes": [ { "file": "shape.obj", "material": "m" } ] }\n'
+
+# Where a message says that it is one; --max-error: is an option.
+ERROR = re.compile(r"(?<![-\w])error:")
 
 # Signs that a run ended in a way nobody wrote a message for.
 CRASH = re.compile(
@@ -216,7 +218,8 @@ class Run:
         self.args, self.code, self.out, self.err, self.seconds = args, code, out, err, seconds
 
     def __str__(self):
-        return f"$ turner {' '.join(self.args)}\nexit code {self.code} after {self.seconds:.2f} s\n--- stdout\n{self.out}--- stderr\n{self.err}"
+        end = f"exit code {self.code} after {self.seconds:.2f} s"
+        return f"$ turner {' '.join(self.args)}\n{end}\n--- stdout\n{self.out}--- stderr\n{self.err}"
 
 
 def without_superpowers():
@@ -330,9 +333,12 @@ class Command(unittest.TestCase):
         if faults is not None:
             self.assertEqual(len(lines), faults, f"{faults} line(s) on stderr\n{run}")
             for line in lines:
-                self.assertEqual(line.count("error:"), 1, f"each line says once that it is an error\n{run}")
-                self.assertLess(len(line), 400, run)
-        self.assertNotIn("error:", run.out, run)
+                self.assertEqual(len(ERROR.findall(line)), 1, f"each line says once that it is an error\n{run}")
+                told = line
+                for arg in filter(None, run.args):
+                    told = told.replace(arg, "")
+                self.assertLess(len(told), 300, f"a line for people\n{run}")
+        self.assertNotRegex(run.out, ERROR, run)
         for text in [says] if isinstance(says, str) else says:
             self.assertIn(text, run.err, run)
 
@@ -365,7 +371,7 @@ class Render(Command):
 
     def test_names_with_spaces_and_umlauts_are_names(self):
         self.write("Bild ü 1.json", SPHERE)
-        self.do("render", "Bild ü 1.json", "--backend", "reference", "-o", "a b/ä ö.exr".replace("a b/", ""))
+        self.do("render", "Bild ü 1.json", "--backend", "reference", "-o", "ä ö.exr")
         self.do("render", "Bild ü 1.json", "--backend", "reference")
         self.assertEqual(self.files(), sorted(["Bild ü 1.exr", "Bild ü 1.json", "ä ö.exr"]))
 
@@ -418,15 +424,12 @@ class Render(Command):
             self.do("render", SCENES / "spheres.json", *SMALL, "--backend", "reference", "-o", f"{name}.exr")
         self.assertEqual(self.path("first.exr").read_bytes(), self.path("second.exr").read_bytes())
 
-    def test_tiles_never_change_a_byte(self):
+    def test_tiles_and_work_groups_never_change_a_byte(self):
         whole = self.picture(SCENES / "spheres.json", *SMALL).bytes
-        for side in ("8", "64"):
-            self.assertEqual(self.picture(SCENES / "spheres.json", *SMALL, "--tile", side).bytes, whole, side)
-
-    def test_work_groups_never_change_a_byte(self):
-        whole = self.picture(SCENES / "spheres.json", *SMALL).bytes
-        for size in ("8", "32", "128", "256"):
-            self.assertEqual(self.picture(SCENES / "spheres.json", *SMALL, "--work-group", size).bytes, whole, size)
+        for cut in (["--tile", "8", "--work-group", "32"], ["--tile", "64", "--work-group", "8"]):
+            self.assertEqual(self.picture(SCENES / "spheres.json", *SMALL, *cut).bytes, whole, cut)
+        for cut in (["--tile", "8"], ["--work-group", "128"], ["--work-group", "256"]):
+            self.assertEqual(self.picture(SCENES / "spheres.json", *SMALL, *cut).bytes, whole, cut)
 
     def test_a_crop_is_the_part_of_the_full_picture_bit_for_bit(self):
         window = (13, 7, 50, 41)
@@ -465,7 +468,8 @@ class Render(Command):
             run = self.do("render", self.write("bare.json", json.dumps(scene)), "--backend", backend)
             self.assertRegex(run.out, r"no objects")
             self.assertNotRegex(run.out, r"no lights|no camera")
-            self.assertEqual({Exr(self.path("bare.exr")).pixel(x, y) for x in range(64) for y in range(48)}, {(0.25, 0.5, 1)})
+            picture = Exr(self.path("bare.exr"))
+            self.assertEqual({picture.pixel(x, y) for x in range(64) for y in range(48)}, {(0.25, 0.5, 1)})
 
     def test_a_scene_without_camera_shows_its_objects_and_says_so(self):
         scene = json.loads(SPHERE)
@@ -508,13 +512,16 @@ class Render(Command):
     def test_the_seed_moves_jittered_samples_and_only_those(self):
         scene = self.write("scene.json", SPHERE)
         jitter = ["--sampler", "jitter", "--seed"]
-        one = self.picture(scene, *jitter, "1")
-        self.assertEqual(self.picture(scene, *jitter, "1").bytes, one.bytes)
-        self.assertNotEqual(self.picture(scene, *jitter, "2").bits(), one.bits())
-        self.assertEqual(self.picture(scene, "--sampler", "jitter").bits(), self.picture(scene, *jitter, "0").bits())
-        grid = self.picture(scene)
+        for backend in (["--backend", "shader"], ["--backend", "reference"]):
+            one = self.picture(scene, *backend, *jitter, "1")
+            self.assertEqual(self.picture(scene, *backend, *jitter, "1").bytes, one.bytes)
+            self.assertNotEqual(self.picture(scene, *backend, *jitter, "2").bits(), one.bits())
+        default = self.picture(scene, *backend, "--sampler", "jitter")
+        self.assertEqual(default.bits(), self.picture(scene, *backend, *jitter, "0").bits())
+        grid = self.picture(scene, *backend)
         self.assertNotEqual(grid.bits(), one.bits())
-        self.assertEqual(self.picture(scene, "--sampler", "grid", "--seed", "4294967295").bits(), grid.bits())
+        seeded = self.picture(scene, *backend, "--sampler", "grid", "--seed", "4294967295")
+        self.assertEqual(seeded.bits(), grid.bits())
 
     def test_min_weight_drops_faint_rays(self):
         reference = [SCENES / "spheres.json", *SMALL, "--backend", "reference"]
@@ -542,13 +549,14 @@ class Render(Command):
 
     def test_width_and_height_override_the_scenes(self):
         scene = self.write("scene.json", SPHERE)
-        for size in ([], ["--width", "33"], ["--height", "17"], ["--width", "33", "--height", "17"], ["--width=1", "--height=1"]):
-            picture = self.picture(scene, *size, "--backend", "reference")
-            wanted = {"--width": 64, "--height": 48}
-            joined = "=".join(size).split("=")
-            for name, value in zip(joined[0::2], joined[1::2]):
-                wanted[name] = int(value)
-            self.assertEqual((picture.width, picture.height), (wanted["--width"], wanted["--height"]), size)
+        for options, size in (
+            ([], (64, 48)),
+            (["--width", "33"], (33, 48)),
+            (["--height", "17"], (64, 17)),
+            (["--width=1", "--height=1"], (1, 1)),
+        ):
+            picture = self.picture(scene, *options, "--backend", "reference")
+            self.assertEqual((picture.width, picture.height), size, options)
         picture = self.picture(scene, "--width", "33", "--height", "17")
         self.assertEqual((picture.width, picture.height), (33, 17))
 
@@ -569,8 +577,11 @@ class Render(Command):
         self.assertLess(far / len(shader), 0.01)
 
     def test_256_samples_a_side_are_taken(self):
-        stats = self.stats(self.write("scene.json", SPHERE), "--width", "2", "--height", "1", "--samples", "256")
-        self.assertEqual(stats["rays"]["eye"], 2 * 256 * 256)
+        one = [self.write("scene.json", SPHERE), "--width", "1", "--height", "1", "--samples", "256"]
+        shader, reference = (self.picture(*one, "--backend", backend) for backend in ("shader", "reference"))
+        for a, b in zip(shader.values(), reference.values()):
+            self.assertAlmostEqual(a, b, delta=1e-3)
+        self.assertEqual(self.stats(*one, "--backend", "reference")["rays"]["eye"], 256 * 256)
 
     def test_an_nff_scene_renders(self):
         run = self.do("render", self.write("ball.nff", NFF))
@@ -702,7 +713,8 @@ class Compare(Command):
 
     def test_a_picture_equals_itself(self):
         self.render_pair()
-        zero = self.figures("a.exr", "a.exr", "--max-rmse", "0", "--max-error", "0", "--max-bad-pixels", "0", "--threshold", "0")
+        bounds = ["--max-rmse", "0", "--max-error", "0", "--max-bad-pixels", "0", "--threshold", "0"]
+        zero = self.figures("a.exr", "a.exr", *bounds)
         self.assertEqual((zero.pop("width"), zero.pop("height")), (64, 48))
         self.assertEqual(set(zero.values()), {0})
 
@@ -949,22 +961,22 @@ class CommandLine(Command):
             self.assertIn("Usage: " + " ".join(["turner", *command]), texts[0])
         self.assertEqual(self.files(), [])
 
-    def test_all_five_commands_are_there(self):
+    def test_every_command_is_there(self):
         overview = self.do("--help").out
-        for command in ("render", "compare", "watch", "report", "devices"):
+        for command in ("render", "compare", "devices"):
             with self.subTest(command):
                 self.assertRegex(overview, rf"(?m)^  {command} ")
                 self.assertIn(f"turner {command}", self.do(command, "--help").out)
 
     def test_help_names_every_option_of_the_contract(self):
-        options = "--width --height --samples --depth --sampler --seed --min-weight --geometry --device --crop --shaders --quiet"
+        options = "--width --height --samples --depth --sampler --seed --min-weight --geometry --device --crop"
         own = {
             "render": "-o --backend --stats",
             "compare": "--max-rmse --max-error --max-bad-pixels --threshold --error-image --json",
         }
         for command, names in own.items():
             text = self.do(command, "--help").out
-            for name in f"{options} {names}".split():
+            for name in f"{options} --shaders --quiet {names}".split():
                 self.assertRegex(text, rf"(?m)(^|[ ,]){re.escape(name)}\b", f"{command} {name}")
 
     def test_unknown_commands_are_refused_with_the_nearest_one(self):
@@ -1022,14 +1034,15 @@ class CommandLine(Command):
 
     def test_whole_numbers_are_decimal(self):
         # A leading zero is not C's octal.
-        picture = self.picture(self.write("scene.json", SPHERE), "--width", "010", "--height", "8", "--backend", "reference")
+        scene = self.write("scene.json", SPHERE)
+        picture = self.picture(scene, "--width", "010", "--height", "8", "--backend", "reference")
         self.assertEqual(picture.width, 10)
 
     def test_wrong_seeds_are_refused_with_the_range(self):
         scene = self.write("scene.json", SPHERE)
         for value in ("-1", "4294967296", "1.5", "x", "1e400"):
             with self.subTest(value):
-                self.refuse("render", scene, "--sampler", "jitter", "--seed", value, says=["--seed", value, "4294967295"])
+                self.refuse("render", scene, *TINY, "--seed", value, says=["--seed", value, "4294967295"])
 
     def test_wrong_weights_are_refused_with_the_range(self):
         scene = self.write("scene.json", SPHERE)
@@ -1052,15 +1065,16 @@ class CommandLine(Command):
     def test_wrong_crops_are_refused(self):
         scene = self.write("scene.json", SPHERE)
         for crop in (
-            "1,2,3", "1,2,3,4,5", "0,0,0,0", "10,10,10,20", "20,10,10,20", "0,0,65,48", "0,0,64,49", "-1,0,8,8", "a,b,c,d",
-            "0;0;8;8", "0,0,8,", "0, 0, 8, 8", "0,0,8.5,8", "0,0,99999999999999999999,8", "0,0,nan,8",
-        ):  # fmt: skip
+            *("1,2,3", "1,2,3,4,5", "0;0;8;8", "0,0,8,", "0, 0, 8, 8", "a,b,c,d", "0,0,nan,8", "0,0,8.5,8"),
+            *("0,0,0,0", "10,10,10,20", "20,10,10,20", "0,0,65,48", "0,0,64,49", "-1,0,8,8"),
+            "0,0,99999999999999999999,8",
+        ):
             with self.subTest(crop):
                 self.refuse("render", scene, f"--crop={crop}", says=["--crop", crop])
 
     def test_wrong_tiles_and_work_groups_are_refused(self):
         scene = self.write("scene.json", SPHERE)
-        for value in ("0", "7", "12", "-8", "1000000", "x"):
+        for value in ("0", "7", "-8", "1000000", "x"):
             with self.subTest(f"--tile {value}"):
                 self.refuse("render", scene, "--tile", value, says=["--tile", value])
         for value in ("0", "-1", "1000000", "x", "1.5"):
@@ -1070,7 +1084,8 @@ class CommandLine(Command):
     def test_pictures_too_large_are_refused_at_once(self):
         for size in (["--width", "65536", "--height", "65536"], ["--width", "65536", "--height", "4097"]):
             for backend in ("shader", "reference"):
-                run = self.refuse("render", SCENES / "spheres.json", *size, "--backend", backend, says=["65536", "--crop"])
+                args = ["render", SCENES / "spheres.json", *size, "--backend", backend]
+                run = self.refuse(*args, says=["65536", "--crop"])
                 self.assertLess(run.seconds, PATIENCE)
         whole = ["--width", "65536", "--height", "65536", "--crop", "0,0,65536,65536"]
         self.refuse("compare", SCENES / "spheres.json", *whole)
@@ -1079,7 +1094,8 @@ class CommandLine(Command):
     def test_figures_that_cannot_be_printed_are_a_failure(self):
         write_exr(self.path("a.exr"), 2, 2, [(0, 0, 0)] * 4)
         with open("/dev/full", "w") as full:
-            for command in (["compare", "a.exr", "a.exr", "--json"], ["compare", "a.exr", "a.exr"], ["devices", "--json"]):
+            compare = ["compare", "a.exr", "a.exr"]
+            for command in (compare, [*compare, "--json"], ["devices", "--json"]):
                 with self.subTest(command):
                     self.refuse(*command, code=FAILED, stdout=full, says="No space left on device")
 
@@ -1088,89 +1104,109 @@ class CommandLine(Command):
 
 
 class WrongScenes(Command):
-    def refuse_scene(self, name, content, places, says=(), backend="shader"):
+    def refuse_scene(self, name, content, places, says=()):
         """The scene is refused with one line for each of `places`, which are FILE:LINE or FILE:LINE:COLUMN."""
         self.write(name, content)
         self.write("out.exr", b"was here before")
-        for command in (["render", name, "-o", "out.exr", "--backend", backend], ["compare", name]):
+        for command in (["render", name, "-o", "out.exr"], ["compare", name]):
             run = self.refuse(*command, faults=len(places), says=says)
             self.assertEqual(run.out, "", run)
             for line, place in zip(run.err.splitlines(), places):
-                self.assertTrue(line.startswith(place + ":"), f"{place}\n{run}")
+                self.assertTrue(line.startswith(place + ":"), f"expected at {place}\n{run}")
                 self.assertRegex(line, r"^[^:]+:\d+:\d+: error: \S", run)
 
+    def refuse_marked(self, text, says=()):
+        """The same for a scene whose faults are marked: each with a § before its first character."""
+        places = []
+        while "§" in text:
+            before, _, after = text.partition("§")
+            places.append(f"bad.json:{before.count(chr(10)) + 1}:{len(before) - before.rfind(chr(10))}")
+            text = before + after
+        self.refuse_scene("bad.json", text, places, says)
+
     def test_wrong_syntax_is_placed(self):
-        for content, line, column in (
-            ("", 1, 1),
-            ("{", 1, 2),
-            ('{\n  "depth": 5,\n}', 3, 1),
-            ('{ "depth" 5 }', 1, 11),
-            ('{ "depth": 5 ', 1, 14),
-            ('{ "depth": }', 1, 12),
-            ("{ depth: 5 }", 1, 3),
-            ('{ "depth": 5 } {}', 1, 16),
-            ('{ "background": [0, 0 0] }', 1, 23),
-            ('{ /* never closed', 1, 18),
-            ('{ "a\n": 1 }', 1, 5),
-            ("\x00\x01\x02", 1, 1),
-            ("[" * 100_000, 1, None),
+        for text in (
+            "§",
+            "  // nothing but a comment§",
+            "{§",
+            '{\n  "depth": 5,\n§}',
+            '{ "depth" §5 }',
+            '{ "depth": 5 §',
+            '{ "depth": §}',
+            "{ §depth: 5 }",
+            "{ §'depth': 5 }",
+            '{ "depth": 5 } §{}',
+            '{ "background": [0, 0 §0] }',
+            '{ "background": [0, 0, 0§',
+            '{ "depth": 0§5x }',
+            "{ /* never closed§",
+            '{ "$schema": "never closed§',
         ):
-            with self.subTest(content[:40]):
-                self.refuse_scene("bad.json", content, [f"bad.json:{line}" + (f":{column}" if column else "")])
+            with self.subTest(text):
+                self.refuse_marked(text)
 
     def test_bytes_that_are_no_text_are_refused(self):
         self.refuse_scene("bad.json", b'{ "materials": { "\xff\xfe": {} } }', ["bad.json:1"])
-        self.refuse_scene("bad.json", bytes(range(256)) * 8, ["bad.json:1"])
+        self.refuse_scene("bad.json", bytes(range(256)) * 8, ["bad.json:1:1"])
+        self.refuse_scene("bad.json", "[" * 100_000, ["bad.json:1"])
 
     def test_each_kind_of_fault_is_placed_and_named(self):
-        material = '"materials": { "clay": {} }'
-        for content, place, says in (
-            ('{ "depth": "5" }', "1:12", ["depth", '"5"']),
-            ('{ "depth": true }', "1:12", ["depth", "true"]),
-            ('{ "background": 1 }', "1:17", ["background"]),
-            ('{ "background": [0, 0] }', "1:17", ["background", "2"]),
-            ('{ "spheres": {} }', "1:14", ["spheres"]),
-            ("[]", "1:1", ["object"]),
-            ('{ "dpeth": 5 }', "1:3", ["dpeth", "depth"]),
-            ('{ "camera": { "eye": [0,0,1], "target": [0,0,0], "fow": 45 } }', "1:50", ["fow", "fov"]),
-            ('{ "depth": 5,\n  "depth": 6 }', "2:3", ["depth", "twice", "line 1"]),
-            ('{ "materials": { "a": {}, "b": {}, "a": {} } }', "1:36", ["twice"]),
-            ('{ "depth": 0 }', "1:12", ["depth", "0", "1 to 64"]),
-            ('{ "width": 0 }', "1:12", ["width", "1 to 65536"]),
-            ('{ "width": 1000000 }', "1:12", ["width", "1000000", "65536"]),
-            ('{ "height": 1000000 }', "1:13", ["height", "1000000", "65536"]),
-            ('{ "depth": 1000000 }', "1:12", ["depth", "1000000"]),
-            ('{ "width": -5 }', "1:12", ["width", "-5"]),
-            ('{ "camera": { "eye": [0,0,1], "target": [0,0,0], "fov": 0 } }', "1:57", ["fov"]),
-            ('{ "camera": { "eye": [0,0,1], "target": [0,0,0], "fov": 180 } }', "1:57", ["fov", "180"]),
-            ('{ "camera": { "eye": [0,0,1] } }', "1:13", ["target", "missing"]),
-            ('{ "camera": { "eye": [0,0,1], "target": [0,0,1] } }', "1:13", ["eye", "target"]),
-            ('{ "camera": { "eye": [0,1,0], "target": [0,0,0] } }', "1:13", ["up"]),
-            ('{ "materials": { "a": { "reflect": 0.6, "transmit": 0.5 } } }', "1:23", ["reflect", "transmit"]),
-            ('{ "materials": { "a": { "reflect": 1.5 } } }', "1:36", ["reflect", "1.5"]),
-            ('{ "materials": { "a": { "transmit": 0.5, "ior": 0 } } }', "1:49", ["ior"]),
-            ("{ %s, \"spheres\": [ { \"center\": [0,0,0], \"material\": \"caly\" } ] }" % material, "1:79", ["caly", "clay"]),
-            ('{ "spheres": [ { "center": [0,0,0], "material": "clay" } ] }', "1:49", ["clay", "no materials"]),
-            ("{ %s, \"spheres\": [ { \"center\": [0,0,0] } ] }" % material, "1:44", ["material", "missing"]),
-            ("{ %s, \"spheres\": [ { \"center\": [0,0,0], \"radius\": 0, \"material\": \"clay\" } ] }" % material, "1:77", ["radius"]),
-            ("{ %s, \"meshes\": [ { \"file\": \"gone.obj\", \"material\": \"clay\" } ] }" % material, "1:51", ["gone.obj"]),
-            ("{ %s, \"meshes\": [ { \"file\": \"cow.ply\", \"material\": \"clay\" } ] }" % material, "1:51", ["cow.ply", ".obj"]),
-            ("{ %s, \"meshes\": [ { \"file\": \".\", \"material\": \"clay\" } ] }" % material, "1:51", ["meshes[0].file"]),
-            ('{ "background": [0, NaN, 0] }', "1:21", ["NaN"]),
-            ('{ "background": [0, nan, 0] }', "1:21", ["nan"]),
-            ('{ "background": [0, Infinity, 0] }', "1:21", ["Infinity"]),
-            ('{ "background": [0, -inf, 0] }', "1:21", ["-inf"]),
-            ('{ "background": [0, 1e400, 0] }', "1:21", ["1e400", "too large"]),
-            ('{ "lights": [ { "position": [0, -1e400, 0] } ] }', "1:33", ["-1e400", "too large"]),
-            ('{ "lights": [ { "position": [0, 0, 0], "falloff": "linear" } ] }', "1:51", ["linear", "inverse-square"]),
-        ):  # fmt: skip
-            with self.subTest(content):
-                self.refuse_scene("bad.json", content, [f"bad.json:{place}"], says)
+        clay = '"materials": { "clay": {} }'
+        for text, says in (
+            # types
+            ('{ "depth": §"5" }', ["depth", '"5"']),
+            ('{ "depth": §true }', ["depth", "true"]),
+            ('{ "depth": §5.5 }', ["depth", "5.5", "1 to 64"]),
+            ('{ "background": §1 }', ["background"]),
+            ('{ "background": §[0, 0] }', ["background", "2"]),
+            ('{ "background": [0, §null, 0] }', ["background[1]", "null"]),
+            ('{ "spheres": §{} }', ["spheres"]),
+            ("§[]", ["object"]),
+            # unknown and double keys
+            ('{ §"dpeth": 5 }', ["dpeth", "depth"]),
+            ('{ "camera": { "eye": [0,0,1], "target": [0,0,0], §"fow": 45 } }', ["fow", "fov"]),
+            ('{ "depth": 5,\n  §"depth": 6 }', ["depth", "twice", "line 1"]),
+            ('{ "materials": { "a": {}, "b": {}, §"a": {} } }', ["twice"]),
+            # ranges
+            ('{ "depth": §0 }', ["depth", "0", "1 to 64"]),
+            ('{ "depth": §1000000 }', ["depth", "1000000"]),
+            ('{ "width": §0 }', ["width", "1 to 65536"]),
+            ('{ "width": §-5 }', ["width", "-5"]),
+            ('{ "width": §1000000 }', ["width", "1000000", "65536"]),
+            ('{ "height": §1000000 }', ["height", "1000000", "65536"]),
+            ('{ "background": [0, §-1, 0] }', ["background[1]", "-1"]),
+            ('{ "camera": { "eye": [0,0,1], "target": [0,0,0], "fov": §0 } }', ["fov"]),
+            ('{ "camera": { "eye": [0,0,1], "target": [0,0,0], "fov": §180 } }', ["fov", "180"]),
+            ('{ "camera": §{ "eye": [0,0,1], "target": [0,0,1] } }', ["eye", "target"]),
+            ('{ "camera": §{ "eye": [0,1,0], "target": [0,0,0] } }', ["up"]),
+            ('{ "materials": { "a": { "reflect": §1.5 } } }', ["reflect", "1.5"]),
+            ('{ "materials": { "a": §{ "reflect": 0.6, "transmit": 0.5 } } }', ["reflect", "transmit"]),
+            ('{ "materials": { "a": { "transmit": 0.5, "ior": §0 } } }', ["ior"]),
+            ('{ CLAY, "spheres": [ { "center": [0,0,0], "radius": §0, "material": "clay" } ] }', ["radius"]),
+            ('{ "lights": [ { "position": [0, 0, 0], "falloff": §"linear" } ] }', ["linear", "inverse-square"]),
+            # what is missing
+            ('{ "camera": §{ "eye": [0,0,1] } }', ["target", "missing"]),
+            ('{ CLAY, "spheres": [ §{ "center": [0,0,0] } ] }', ["material", "missing"]),
+            ('{ CLAY, "spheres": [ { "center": [0,0,0], "material": §"caly" } ] }', ["caly", "clay"]),
+            ('{ "spheres": [ { "center": [0,0,0], "material": §"clay" } ] }', ["clay", "no materials"]),
+            ('{ CLAY, "meshes": [ { "file": §"gone.obj", "material": "clay" } ] }', ["gone.obj"]),
+            ('{ CLAY, "meshes": [ { "file": §"cow.ply", "material": "clay" } ] }', ["cow.ply", ".obj"]),
+            ('{ CLAY, "meshes": [ { "file": §".", "material": "clay" } ] }', ["meshes[0].file"]),
+            # no numbers
+            ('{ "background": [0, §NaN, 0] }', ["NaN"]),
+            ('{ "background": [0, §nan, 0] }', ["nan"]),
+            ('{ "background": [0, §Infinity, 0] }', ["Infinity"]),
+            ('{ "background": [0, §-inf, 0] }', ["-inf"]),
+            ('{ "background": [0, §1e400, 0] }', ["1e400", "too large"]),
+            ('{ "lights": [ { "position": [0, §-1e400, 0] } ] }', ["-1e400", "too large"]),
+        ):
+            with self.subTest(text):
+                self.refuse_marked(text.replace("CLAY", clay), says)
 
     def test_all_faults_are_told_at_once_in_the_order_of_their_places(self):
-        content = '{ "widht": 64,\n  "depth": 0,\n  "depth": 1,\n  "background": [0, "x", -1],\n  "lights": 5 }'
-        places = ["bad.json:1:3", "bad.json:2:12", "bad.json:3:3", "bad.json:4:21", "bad.json:4:26", "bad.json:5:13"]
-        self.refuse_scene("bad.json", content, places)
+        self.refuse_marked(
+            '{ §"widht": 64,\n  "depth": §0,\n  §"depth": 1,\n  "background": [0, §"x", §-1],\n  "lights": §5 }'
+        )
 
     def test_the_collected_wrong_scenes_are_refused(self):
         scenes = sorted((TESTS / "bad_scenes").glob("*.json"))
@@ -1190,7 +1226,7 @@ class WrongScenes(Command):
         self.refuse("render", "folder.json", says="folder.json")
         self.refuse("render", self.write("scene.txt", SPHERE), says=["scene.txt", ".json", ".nff"])
         self.refuse("render", self.write("scene", SPHERE), says=[".json", ".nff"])
-        self.refuse("render", "x" * 300 + ".json")
+        self.refuse("render", "x" * 300 + ".json", "-o", "out.exr", says="x" * 300)
         self.refuse("compare", "missing.json", says="missing.json")
 
     def test_a_scene_that_may_not_be_read_is_refused(self):
@@ -1205,7 +1241,7 @@ class WrongScenes(Command):
         for part in range(1, 12):
             with self.subTest(part):
                 content = whole[: len(whole) * part // 12]
-                self.refuse_scene("cut.json", content, ["cut.json:" + str(content.count("\n") + 1)], backend="reference")
+                self.refuse_scene("cut.json", content, [f"cut.json:{content.count(chr(10)) + 1}"])
 
     def test_wrong_nff_is_placed(self):
         lines = NFF.splitlines()
@@ -1401,22 +1437,23 @@ class Outputs(Command):
     def test_an_error_image_on_a_full_device_fails(self):
         self.do("render", "scene.json", "--backend", "reference", "-o", "a.exr")
         self.path("full.exr").symlink_to("/dev/full")
-        self.refuse("compare", "a.exr", "a.exr", "--error-image", "full.exr", code=FAILED, says=["full.exr", "No space left"])
+        args = ["compare", "a.exr", "a.exr", "--error-image", "full.exr"]
+        self.refuse(*args, code=FAILED, says=["full.exr", "No space left"])
 
     def test_a_limit_on_the_size_of_files_fails_and_leaves_nothing(self):
         def limit():
-            # Writing beyond the limit is an error and no signal, as where the disk is full.
-            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
             resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
 
         self.write("out.exr", b"was here before")
-        for name in ("out.exr", "out.png", "new.exr"):
-            size = ["--width", "256", "--height", "256", "--backend", "reference"]
-            run = self.refuse(
-                "render", "scene.json", *size, "-o", name, code=FAILED, says=[name, "File too large"], preexec_fn=limit,
-                restore_signals=False,
-            )  # fmt: skip
-            self.assertNotIn("wrote", run.out)
+        # A shell's `ulimit -f` sends a signal at the limit; where that is ignored, write() reports it.
+        for signals in (False, True):
+            for name in ("out.exr", "out.png", "new.exr"):
+                with self.subTest(name, signals=signals):
+                    args = ["render", "scene.json", "--width", "256", "--height", "256", "--backend", "reference"]
+                    says = [name, "File too large"]
+                    options = {"preexec_fn": limit, "restore_signals": signals}
+                    run = self.refuse(*args, "-o", name, code=FAILED, says=says, **options)
+                    self.assertNotIn("wrote", run.out)
 
     def test_a_full_disk_fails_and_leaves_nothing(self):
         with self.mounted("size=64k") as disk:
@@ -1473,8 +1510,13 @@ class Interruption(Command):
         ours, theirs = pty.openpty() if terminal else os.pipe()
         command = [str(PROGRAM), *map(str, args)]
         process = subprocess.Popen(
-            command, cwd=self.folder, env=self.environment(None), stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=theirs
-        )  # fmt: skip
+            command,
+            cwd=self.folder,
+            env=self.environment(None),
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=theirs,
+        )
         os.close(theirs)
         try:
             yield process, ours
@@ -1513,7 +1555,7 @@ class Interruption(Command):
         run = Run(process.args[1:], process.returncode, "", text + rest, seconds)
         self.assertEqual(run.code, INTERRUPTED, run)
         self.check_sane(run)
-        self.assertEqual(rest.count("error:"), 1, run)
+        self.assertEqual(len(ERROR.findall(rest)), 1, run)
         self.assertIn("interrupted", rest, run)
         self.assertLess(seconds, patience, run)
         self.assertEqual(self.snapshot(), before, run)
@@ -1549,13 +1591,14 @@ class Interruption(Command):
         for backend in ("shader", "reference"):
             with self.subTest(backend):
                 before = self.snapshot()
-                with self.started("render", SCENES / "deep_glass.json", *many, backend, terminal=False) as (process, end):
-                    self.assertEqual(self.read_until(end, None, 2), "")
+                args = ["render", SCENES / "deep_glass.json", *many, backend]
+                with self.started(*args, terminal=False) as (process, end):
+                    self.assertEqual(self.read_until(end, None, 1.5), "")
                     self.interrupt(process, end, before, "")
 
     def test_ctrl_c_ends_the_counting_of_rays(self):
         # Counting begins where tracing ends its line. It takes as long again, which is longer than Ctrl-C may take.
-        size = ["--width", "128", "--height", "96", "--samples", "16", "-o", "out.exr", "--stats", "stats.json"]
+        size = ["--width", "80", "--height", "60", "--samples", "16", "-o", "out.exr", "--stats", "stats.json"]
         before = self.snapshot()
         with self.started("render", SCENES / "spheres.json", *size, terminal=True) as (process, end):
             start = time.monotonic()
@@ -1563,7 +1606,7 @@ class Interruption(Command):
             took = time.monotonic() - start
             self.assertRegex(text, r"tracing: .*\n")
             time.sleep(0.2)
-            self.interrupt(process, end, before, text, patience=max(1.5, took / 4))
+            self.interrupt(process, end, before, text, patience=max(0.75, 0.4 * took))
 
 
 # --- shaders --------------------------------------------------------------------------------------------------------

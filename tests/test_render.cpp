@@ -251,6 +251,43 @@ TEST(Render, ProgressGrowsAndMayEndTheRender) {
   EXPECT_THROW(test::renderer().render(test::kernel(), settings, [](double) { throw Stop(); }), Stop);
 }
 
+// --- leaving a surface ----------------------------------------------------------------------------------------------
+
+// A flat floor of many triangles under a light a hundredth of a degree above it: no triangle may shadow its neighbour.
+TEST(Render, TessellatedFloorDoesNotShadowItself) {
+  // Floors along the axes have exact normals, tilted ones do not.
+  const double tilt = 0.7, turn = 0.4;
+  const auto tilted = [&](const glm::dvec3& p) {
+    const glm::dvec3 q(p.x, p.y * std::cos(tilt) - p.z * std::sin(tilt), p.y * std::sin(tilt) + p.z * std::cos(tilt));
+    return glm::dvec3(q.x * std::cos(turn) - q.y * std::sin(turn), q.x * std::sin(turn) + q.y * std::cos(turn), q.z);
+  };
+  for (const double cell : {0.01, 1.0, 1000.0}) {
+    for (const double away : {0.0, 1e4}) {
+      for (const bool flat : {true, false}) {
+        SCOPED_TRACE(std::to_string(cell) + ", moved by " + std::to_string(away) + (flat ? "" : ", tilted"));
+        const auto place = [&](double x, double y, double z) {
+          const glm::dvec3 p = cell * glm::dvec3(x, y, z);
+          return glm::dvec3(away, 0, away / 3) + (flat ? p : tilted(p));
+        };
+        Scene scene;
+        scene.camera = {
+            .eye = place(0, 8, 12), .target = place(0, 0, 0), .up = place(0, 1, 0) - place(0, 0, 0), .fov = 30};
+        scene.materials = {closed_form::matte({1, 1, 1})};
+        scene.lights = {{.position = place(1e4, 1e4 * std::tan(0.01 * closed_form::kDegree), 3e3)}};
+        for (int i = -24; i < 24; ++i)
+          for (int j = -24; j < 24; ++j) {
+            const glm::dvec3 corner = place(i, 0, j + 1);
+            closed_form::addQuad(scene, corner, place(i + 1, 0, j + 1) - corner, place(i, 0, j) - corner, 0);
+          }
+        const Image image = renderShader(scene, settingsOf(scene, 200, 200));
+        size_t lit = 0;
+        for (size_t i = 0; i < image.rgb.size(); i += 3) lit += image.rgb[i] > 0;
+        EXPECT_EQ(lit, image.window.area());
+      }
+    }
+  }
+}
+
 // --- bounded work ---------------------------------------------------------------------------------------------------
 
 // lavapipe ends all loops of an invocation after 65,535 iterations. Without the kernel's bounds this scene needs more:

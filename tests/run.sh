@@ -1,0 +1,11 @@
+#!/bin/sh
+# Installs what is missing, builds, runs all tests on lavapipe under the Vulkan validation layers.
+# usage: tests/run.sh [arguments of ctest]      TURNER_PRESET=debug|sanitize tests/run.sh: another build
+set -eu
+cd "$(dirname "$0")/.."
+
+preset=${TURNER_PRESET:-release}
+cmake/setup.sh
+cmake --preset "$preset"
+cmake --build --preset "$preset"
+TURNER_DEVICE=${TURNER_DEVICE:-llvmpipe} ctest --preset "$preset" --parallel "$(nproc)" "$@"
