@@ -23,7 +23,7 @@ struct RenderOptions {
   int samples = 1;
   Sampler sampler = Sampler::grid;
   uint32_t seed = 0;
-  float minWeight = 0;
+  double minWeight = 0;
   Backend backend = Backend::shader;
   Geometry geometry = Geometry::exact;
   std::string device, crop, shaders, stats;

@@ -112,6 +112,7 @@ Rendered renderWithShader(const Scene& scene, const RenderSettings& settings, co
 
   Stopwatch watch;
   const Scene local = roundScene(scene);
+  checkReach(local);
   const Bvh bvh = buildBvh(primitiveBoxes(local), local.spheres.size(), {gpu::kMaxLeafSize, int(gpu::kMaxTreeDepth)});
   const PackedScene packed = packScene(local, bvh);
   stats.treeNodes = packed.nodes.size();
@@ -196,6 +197,7 @@ int runRender(const RenderOptions& options) {
   Rendered rendered = options.backend == Backend::shader
                           ? renderWithShader(scene, settings, options, !options.stats.empty())
                           : renderWithReference(scene, settings, options);
+  throwIfInvalid();
   Stats& stats = rendered.stats;
   const Provenance provenance = makeProvenance(scene, settings, stats.backend, stats.device.name, stats.device.driver);
   throwIfInterrupted();
@@ -233,6 +235,7 @@ int runCompare(const CompareOptions& compare, const RenderOptions& render) {
     const Scene scene = loadAndTell(options);
     const RenderSettings settings = settingsFor(scene, options);
     a = renderWithShader(scene, settings, options, false).image;
+    throwIfInvalid();
     b = renderWithReference(scene, settings, options).image;
   }
 

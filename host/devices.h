@@ -23,4 +23,7 @@ std::vector<DeviceInfo> listDevices();
 // RunError when none is usable.
 DeviceInfo chooseDevice(const std::vector<DeviceInfo>& devices, const std::string& wanted);
 
+// Throws RunError with what the validation layers have complained about since the last call, if anything.
+void throwIfInvalid();
+
 }  // namespace turner

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <iterator>
 #include <mutex>
+#include <utility>
 
 #include "errors.h"
 
@@ -127,7 +129,8 @@ std::vector<vk::raii::PhysicalDevice> Instance::physicalDevices() const {
 
 void throwIfInvalid() {
   const std::scoped_lock lock(complaintsMutex);
-  if (!complaints.empty()) throw RunError("the Vulkan validation layers complain:\n" + complaints);
+  if (complaints.empty()) return;
+  throw RunError("the Vulkan validation layers complain:\n" + std::exchange(complaints, {}));
 }
 
 // --- devices --------------------------------------------------------------------------------------------------------
@@ -189,10 +192,10 @@ Buffer Device::makeBuffer(vk::DeviceSize size, vk::BufferUsageFlags usage, vk::M
   const std::string what = "the buffer of " + bufferName + " needs " + megabytes(result.size);
   if ((usage & vk::BufferUsageFlagBits::eStorageBuffer) && result.size > limits_.maxStorageBufferRange)
     throw InputError(what + ", more than the device " + info_.name + " can bind (" +
-                     megabytes(limits_.maxStorageBufferRange) + "); use a smaller scene");
+                     megabytes(limits_.maxStorageBufferRange) + ")");
   if (result.size > maxAllocation_)
     throw InputError(what + ", more than the device " + info_.name + " can allocate at once (" +
-                     megabytes(maxAllocation_) + "); use a smaller scene");
+                     megabytes(maxAllocation_) + ")");
 
   result.buffer.emplace(*device_, vk::BufferCreateInfo({}, result.size, usage));
   const vk::MemoryRequirements needs = result.buffer->getMemoryRequirements();
@@ -260,9 +263,12 @@ double Device::run(const std::function<void(vk::raii::CommandBuffer&)>& record) 
   const auto start = std::chrono::steady_clock::now();
   try {
     queue_->submit(vk::SubmitInfo({}, {}, *commands), *fence);
-    if (device_->waitForFences(*fence, true, kFenceTimeout) != vk::Result::eSuccess)
-      throw RunError("the device " + info_.name + " did not finish a dispatch within " +
-                     std::to_string(kFenceTimeout / 1'000'000'000) + " s");
+    if (device_->waitForFences(*fence, true, kFenceTimeout) != vk::Result::eSuccess) {
+      // What the device still uses must not be destroyed, and it may never be done: the process ends here.
+      std::fprintf(stderr, "turner: error: the device %s did not finish a dispatch within %d s\n", info_.name.c_str(),
+                   int(kFenceTimeout / 1'000'000'000));
+      std::_Exit(1);
+    }
   } catch (const vk::DeviceLostError&) {
     throw RunError("the device " + info_.name + " was lost during a dispatch");
   }

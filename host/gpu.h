@@ -31,9 +31,6 @@ class Instance {
   bool debugNames_ = false;
 };
 
-// Throws RunError with what the validation layers have complained about since the process began.
-void throwIfInvalid();
-
 DeviceInfo describeDevice(const vk::raii::PhysicalDevice& device, int index);
 
 // Device-local memory where the device has its own, host-visible where the host reads or writes.

@@ -1,10 +1,14 @@
 #include "pack.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <optional>
+#include <tuple>
+#include <utility>
 
 #include "camera_basis.h"
 #include "errors.h"
@@ -44,6 +48,38 @@ uint reference(const BvhChild& child, uint sphereCount) {
   const bool triangles = child.first >= sphereCount;
   return gpu::kRefLeaf | (triangles ? gpu::kRefTriangle : 0) | ((child.count - 1) << gpu::kRefCountShift) |
          (triangles ? child.first - sphereCount : child.first);
+}
+
+struct Plane {
+  glm::dvec3 normal;  // unit, on the counter-clockwise side
+  double offset;      // N.x of its points
+};
+
+// Nothing where the triangle has no area. The same for all orders of the same vertices but for the sign: coincident
+// triangles are hit at equal distances then, and the lowest id wins.
+std::optional<Plane> planeOf(std::array<glm::dvec3, 3> v) {
+  const auto less = [](const glm::dvec3& a, const glm::dvec3& b) {
+    return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
+  };
+  double sign = 1;
+  for (const auto& [i, j] : {std::pair<size_t, size_t>{0, 1}, {1, 2}, {0, 1}}) {
+    if (!less(v[j], v[i])) continue;
+    std::swap(v[i], v[j]);
+    sign = -sign;
+  }
+  const glm::dvec3 cross = glm::cross(v[1] - v[0], v[2] - v[0]);
+  const double length = glm::length(cross);
+  if (length == 0) return {};
+  const glm::dvec3 normal = cross / length;
+  return Plane{sign * normal, sign * glm::dot(normal, v[0])};
+}
+
+gpu::Triangle packTriangle(const Triangle& triangle, uint id) {
+  const auto& [a, b, c] = triangle.vertices;
+  const std::optional<Plane> plane = planeOf(triangle.vertices);
+  // One that rounding has made flat has no plane: as a point it is never hit.
+  if (!plane) return {row(a, id), row(a, triangle.material), row(a, triangle.normals), {}};
+  return {row(a, id), row(b, triangle.material), row(c, triangle.normals), row(plane->normal, plane->offset)};
 }
 
 Features featuresOf(const Scene& scene) {
@@ -109,6 +145,8 @@ PackedScene packScene(const Scene& local, const Bvh& bvh) {
   const size_t most = gpu::kMaxPrimitivesOfAKind;
   if (local.spheres.size() > most || local.triangles.size() > most)
     throw InputError("the scene has more than " + std::to_string(most) + " spheres or triangles");
+  if (bvh.depth > int(gpu::kMaxTreeDepth))
+    throw RunError("the tree is " + std::to_string(bvh.depth) + " nodes deep, more than the kernel's stack holds");
 
   PackedScene packed;
   packed.features = featuresOf(local);
@@ -130,13 +168,7 @@ PackedScene packScene(const Scene& local, const Bvh& bvh) {
     } else {
       place[i] = sphereCount + uint(packed.triangles.size());
       const Triangle& triangle = local.triangles[id - sphereCount];
-      const auto& [a, b, c] = triangle.vertices;
-      // A triangle that rounding has made flat has no normal, and no ray finds it.
-      const glm::dvec3 cross = glm::cross(b - a, c - a);
-      const double length = glm::length(cross);
-      const glm::dvec3 normal = length > 0 ? cross / length : glm::dvec3(0);
-      packed.triangles.push_back(
-          {row(a, id), row(b, triangle.material), row(c, triangle.normals), row(normal, glm::dot(normal, a))});
+      packed.triangles.push_back(packTriangle(triangle, id));
     }
   }
   const auto packedReference = [&](BvhChild child) {
@@ -170,7 +202,7 @@ gpu::Frame packFrame(const View& view, const RenderSettings& settings, uint32_t 
   frame.centreLo = rowRest(basis.forward, uint(settings.width));
   frame.rightHi = row(perRight, uint(settings.height));
   frame.rightLo = rowRest(perRight, settings.seed);
-  frame.downHi = row(perDown, double(settings.minWeight));
+  frame.downHi = row(perDown, settings.weightLimit());
   frame.downLo = rowRest(perDown, deviceThreads);
   frame.background = row(view.background, gpu::kCanaryLength);
   return frame;

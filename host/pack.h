@@ -44,7 +44,7 @@ struct PackedScene {
 std::vector<Box> primitiveBoxes(const Scene& local);
 
 // `local` comes from roundScene, `bvh` from its primitiveBoxes. Throws InputError if there are more primitives than a
-// reference can name.
+// reference can name; RunError if the tree is deeper than the kernel's stack.
 PackedScene packScene(const Scene& local, const Bvh& bvh);
 
 // What the kernel needs of the view and the settings.

@@ -416,7 +416,7 @@ class Tracer {
 
   // Spawns a ray unless it is too deep in its tree or counts too little.
   dvec3 child(const Surface& surface, const dvec3& direction, int level, double weight, uint64_t& count) {
-    if (level > settings.depth || weight <= 0 || weight < double(settings.minWeight)) return dvec3(0);
+    if (level > settings.depth || weight <= 0 || weight < settings.weightLimit()) return dvec3(0);
     ++count;
     return radiance(makeRay(surface.startToward(direction), direction, surface.id), level, weight);
   }

@@ -148,7 +148,7 @@ struct ShaderRenderer::Parts {
 struct ShaderRenderer::Parts::Passes {
   Parts& parts;
   const Device& device;
-  uint workGroup;
+  uint workGroup, samplesInPixel;
   Pipeline pipeline;
   Buffer frame, state, pixels, status, hostPixels, hostStatus;
   std::optional<vk::raii::DescriptorPool> pool;
@@ -193,6 +193,7 @@ ShaderRenderer::Parts::Passes::Passes(Parts& owner, const Spirv& kernel, const R
     : parts(owner),
       device(owner.device),
       workGroup(owner.workGroupSize(dispatching.workGroup)),
+      samplesInPixel(uint(settings.samples * settings.samples)),
       pipeline(makePipeline(owner.device, kernel, owner.features, settings, dispatching, workGroup, counters)) {
   const int side = parts.tileSide(dispatching, settings.depth);
   tiles = cutIntoTiles(settings.crop, side);
@@ -258,6 +259,7 @@ gpu::Status ShaderRenderer::Parts::Passes::readStatus() const {
 // Drivers compile at the first dispatch: give them one in which no pixel is inside the tile.
 void ShaderRenderer::Parts::Passes::warmUp() {
   gpu::Tile nothing{};
+  nothing.width = 8;  // a row of blocks, of no height
   nothing.slots = 1;
   nothing.groups = 1;
   device.run([&](const vk::raii::CommandBuffer& commands) {
@@ -271,6 +273,8 @@ void ShaderRenderer::Parts::Passes::warmUp() {
 // Dispatches a tile again and again until all its pixels are finished.
 void ShaderRenderer::Parts::Passes::traceTile(gpu::Tile tile, const Progress& progress) {
   const uint allGroups = (tile.slots + workGroup - 1) / workGroup;
+  const uint64_t allSamples = uint64_t(tile.width) * tile.height * samplesInPixel;
+  uint64_t samplesBefore = 0;  // finished in earlier passes
   bool fresh = true;
   gpu::Status last;
   do {
@@ -299,9 +303,9 @@ void ShaderRenderer::Parts::Passes::traceTile(gpu::Tile tile, const Progress& pr
         throw RunError(
             "the driver of " + device.info().name +
             " ended the kernel's loops early (a loop limiter); the picture would be wrong and is not written");
-      progress(double(tile.firstGroup) / allGroups);
+      progress(double(samplesBefore + last.samplesFinished) / double(allSamples));
     }
-    progress(1 - double(last.unfinished) / tile.slots);
+    samplesBefore += last.samplesFinished;
   } while (last.unfinished > 0);
 }
 

@@ -2,6 +2,9 @@
 
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <string>
+
+#include "errors.h"
 
 namespace turner {
 namespace {
@@ -51,6 +54,28 @@ Scene roundScene(const Scene& scene) {
   for (auto& normals : local.normals)
     for (glm::dvec3& normal : normals) normal = rounded(glm::normalize(normal));
   return local;
+}
+
+void checkReach(const Scene& local) {
+  // In the local frame the target is at a distance of 1 to 2. Written so that NaN fails too.
+  const auto within = [](const glm::dvec3& v, double most) {
+    return std::abs(v.x) <= most && std::abs(v.y) <= most && std::abs(v.z) <= most;
+  };
+  const auto refuse = [](const char* what, size_t index) {
+    throw InputError(
+        std::string(what) + '[' + std::to_string(index) +
+        "] is too far away or too large for a view whose target is so near to its eye: float32 cannot hold "
+        "both; move the camera's target farther from the eye, or use --backend reference");
+  };
+  constexpr double kGeometry = 1e10, kLight = 1e15;
+  for (size_t i = 0; i < local.spheres.size(); ++i)
+    if (!within(local.spheres[i].center, kGeometry) || !(std::abs(local.spheres[i].radius) <= kGeometry))
+      refuse("spheres", i);
+  for (size_t i = 0; i < local.triangles.size(); ++i)
+    for (const glm::dvec3& vertex : local.triangles[i].vertices)
+      if (!within(vertex, kGeometry)) refuse("triangles", i);
+  for (size_t i = 0; i < local.lights.size(); ++i)
+    if (!within(local.lights[i].position, kLight) || !within(local.lights[i].color, 1e30)) refuse("lights", i);
 }
 
 }  // namespace turner

@@ -17,6 +17,11 @@ struct LocalFrame {
 // Depends on the camera alone: not on crop, tiles or size.
 LocalFrame localFrame(const Camera& camera);
 
+// Throws InputError naming the first primitive or light that is too far away, or too large, for float32: more than 1e10
+// (lights: 1e15) times the distance from eye to target, where products of coordinates overflow. `local` comes from
+// roundScene.
+void checkReach(const Scene& local);
+
 // Every number of the result has the value that the kernel computes with. The camera's target and up are not rounded:
 // the kernel takes the image plane as unevaluated sums of two floats. Inverse-square lights are scaled along.
 Scene roundScene(const Scene& scene);

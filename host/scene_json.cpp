@@ -23,8 +23,7 @@ namespace turner {
 
 namespace {
 
-// float32 holds up to 3e38, and colours and distances are multiplied with each other. What may be as large as this does
-// not overflow once the scene has been brought to the size of the view.
+// Beyond every scene's need. What the shader can hold depends on the view, and is checked by checkReach.
 constexpr double kLargest = 1e30;
 
 constexpr NumberRule kAnyNumber{[](double x) { return std::abs(x) <= kLargest; }, "a number from -1e30 to 1e30"};

@@ -18,7 +18,11 @@ struct RenderSettings {
   Sampler sampler = Sampler::grid;  // cell centres, or hashed positions inside the cells
   uint32_t seed = 0;                // of the jitter's hash
   int depth = 5;                    // levels of the ray tree, the eye ray being level 1
-  float minWeight = 0;              // rays whose product of r and t factors is below this are dropped
+  double minWeight = 0;             // rays whose product of r and t factors is below this are dropped
+
+  // What renderers compare that product with: a little less, so that 0.7 * 0.7 is not below 0.49, in double or in
+  // float.
+  double weightLimit() const { return minWeight * (1 - 0x1p-20); }
 };
 
 // Rays that were spawned, by kind; see "Counted is what is spawned" in docs/light_transport.md.

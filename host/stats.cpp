@@ -74,7 +74,7 @@ std::string statsJson(const Stats& stats) {
       json.put("depth", settings.depth);
       json.put("sampler", settings.sampler == Sampler::grid ? "grid" : "jitter");
       json.put("seed", settings.seed);
-      json.put("min_weight", double(settings.minWeight));
+      json.put("min_weight", settings.minWeight);
       json.put("backend", stats.backend);
       json.put("crop", std::to_string(settings.crop.x0) + ',' + std::to_string(settings.crop.y0) + ',' +
                            std::to_string(settings.crop.x1) + ',' + std::to_string(settings.crop.y1));

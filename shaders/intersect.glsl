@@ -54,7 +54,7 @@ float hitSphere(Ray ray, vec3 center, float radius, bool leavesIt) {
   float discriminant = radius * radius - dot(perpendicular, perpendicular);
   if (discriminant < 0.0) return kNoHit;
   float c = dot(f, f) - radius * radius;
-  float root = sqrt(a * discriminant);
+  float root = sqrt(a) * sqrt(discriminant);  // a shadow ray is as long as its light is far: no product of squares
   float q = b >= 0.0 ? b + root : b - root;
   float t0 = c / q, t1 = q / a;  // one of them may be NaN if q is 0: a comparison with it is false
   float near = min(t0, t1), far = max(t0, t1);

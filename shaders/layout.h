@@ -93,8 +93,8 @@ struct Frame {
   Row background;  // w: kCanaryLength
 };
 
-// A tile of the picture, and the part of it that one dispatch works on; push constants. Used in arithmetic only:
-// lavapipe compiles a kernel anew for each value of a push constant that decides a branch (notes in docs/kernel.md).
+// A tile of the picture, and the part of it that one dispatch works on; push constants. They decide no branch by
+// themselves: lavapipe would compile the kernel anew for each value of one that does.
 struct Tile {
   uint x0, y0;          // pixel at its top left, in the full picture
   uint width, height;   // pixels
@@ -141,9 +141,10 @@ struct Light {
 
 // What the host reads after a dispatch.
 struct Status {
-  uint unfinished;  // invocations that have work left
-  uint limiter;     // invocations whose canary loop was cut: a driver's loop limiter fired
-  uint unused0, unused1;
+  uint unfinished;       // invocations that have work left
+  uint limiter;          // invocations whose canary loop was cut: a driver's loop limiter fired
+  uint samplesFinished;  // in this pass over the tile
+  uint unused;
 };
 
 // --- rows of an invocation's state ----------------------------------------------------------------------------------

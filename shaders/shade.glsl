@@ -1,14 +1,14 @@
 // What happens where a ray meets a surface: docs/light_transport.md, sentence by sentence. V points back along the ray,
 // L to a light, N is the shading normal Ns, H the half vector (Blinn 1977).
 
-const float kMarginRoundings = 8.0 * 5.9604645e-8;
+const float kRounding = 5.9604645e-8;  // 2^-24, the largest relative error of one operation
 
 struct Surface {
   vec3 point;
   vec3 Ng, Ns;   // unit, both on the side that the ray came from
   bool front;    // the ray came from the front
   bool outside;  // of a sphere: the ray came from outside, whatever its front is
-  float margin;  // how far along Ng a ray must start to be on its side for certain; 0 for spheres
+  float margin;  // how far along Ng a ray must start to be on its side for certain
   uint material;
 };
 
@@ -29,6 +29,8 @@ Surface surfaceAt(Ray ray, float t, uint primitive) {
     // Put the point back on the sphere: the error of o + t d grows with t.
     surface.point = center + abs(radius) * outward;
     surface.outside = dot(outward, V) > 0.0;
+    // The sphere itself is left exactly, by its root; this is for one that coincides with it.
+    surface.margin = 2.0 * kRounding * (largest(abs(center)) + abs(radius));
     surface.Ng = radius < 0.0 ? -outward : outward;
     surface.Ns = surface.Ng;
     surface.material = spheres[index].tags.y;
@@ -43,7 +45,7 @@ Surface surfaceAt(Ray ray, float t, uint primitive) {
     // How far that may be from the plane of a coplanar neighbour, by the kernel's arithmetic: each plane's N.x is off by
     // about four roundings of the coordinates, and so is the point. The largest coordinate serves all three: a bound for
     // each axis fails on axis-aligned planes.
-    surface.margin = kMarginRoundings * largest(abs(surface.point)) *
+    surface.margin = 8.0 * kRounding * largest(abs(surface.point)) *
                      (abs(surface.Ng.x) + abs(surface.Ng.y) + abs(surface.Ng.z));
     surface.Ns = surface.Ng;
     if (SMOOTH_NORMALS && row2.w != kRefNone) {

@@ -121,6 +121,7 @@ void main() {
   if (finishedBefore) walk = Walk(kRefNone, 0u, 0.0, kRefNone);
   loadNodeStack(slot, walk.top);
 
+  uint samplesFinished = 0u;
   for (uint segment = 0u; segment < SEGMENTS && phase != kDone; ++segment) {
     // Begin the next sample with its eye ray.
     if (phase == kNextSample) {
@@ -185,11 +186,12 @@ void main() {
         vec3 T = vec3(0);
         bool passes = REFRACTION && t > 0.0 && transmission(surface, ray.direction, uintBitsToFloat(other.y), T);
         // On total internal reflection the share of T goes to R.
-        float reflectedWeight = weight * (passes ? r : r + (REFRACTION ? t : 0.0));
-        float transmittedWeight = passes ? weight * t : 0.0;
+        if (!passes) r += REFRACTION ? t : 0.0;
+        float reflectedWeight = weight * r, transmittedWeight = weight * t;
+        // A share of 0 spawns nothing. The factors tell: far down the tree the product may underflow.
         bool deeper = level < DEPTH;
-        bool reflects = (REFLECTION || REFRACTION) && deeper && reflectedWeight > 0.0 && reflectedWeight >= minWeight;
-        bool transmits = REFRACTION && deeper && transmittedWeight > 0.0 && transmittedWeight >= minWeight;
+        bool reflects = (REFLECTION || REFRACTION) && deeper && r > 0.0 && reflectedWeight >= minWeight;
+        bool transmits = REFRACTION && deeper && passes && transmittedWeight >= minWeight;
         if (COUNTERS) counts.yz += uvec2(reflects ? 1u : 0u, transmits ? 1u : 0u);
 
         Ray through = leaveSurface(surface, hitPrimitive, T, false);
@@ -225,6 +227,7 @@ void main() {
         phase = kTrace;
       } else {
         ++sampleIndex;
+        ++samplesFinished;
         phase = sampleIndex < SAMPLES * SAMPLES ? kNextSample : kDone;
       }
     }
@@ -250,6 +253,7 @@ void main() {
       saveNodeStack(slot, walk.top);
       atomicAdd(status.unfinished, 1u);
     }
+    atomicAdd(status.samplesFinished, samplesFinished);
   }
 
   // The canary: a loop that must run kCanaryLength times. If it does not, a loop limiter has fired above, and the

@@ -87,6 +87,7 @@ TEST(Layout, OffsetsInSpirvAreThoseOfTheCompiler) {
   EXPECT_SAME_OFFSET(Light, color);
   EXPECT_SAME_OFFSET(Status, unfinished);
   EXPECT_SAME_OFFSET(Status, limiter);
+  EXPECT_SAME_OFFSET(Status, samplesFinished);
 #undef EXPECT_SAME_OFFSET
 }
 

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "closed_form.h"
+#include "errors.h"
 #include "pack.h"
 #include "shader_harness.h"
 
@@ -59,6 +60,30 @@ TEST(RoundScene, KeepsInverseSquareLight) {
   const Scene local = roundScene(scene);
   const double scale = localFrame(scene.camera).scale, distance = 20 * scale;
   EXPECT_NEAR(local.lights[0].color.x / (distance * distance), 3.0 / 400, 1e-9);
+}
+
+TEST(RoundScene, RefusesWhatFloatsCannotHold) {
+  const Scene scene = mixedScene();
+  EXPECT_NO_THROW(checkReach(roundScene(scene)));
+  Scene far = scene;
+  far.spheres[7].center.x = 1e20;
+  EXPECT_THROW(checkReach(roundScene(far)), InputError);
+  far = scene;
+  far.triangles[7].vertices[1].y = -1e29;
+  EXPECT_THROW(checkReach(roundScene(far)), InputError);
+  far = scene;
+  far.camera.target = far.camera.eye + glm::dvec3(0, 0, -1e-10);
+  EXPECT_THROW(checkReach(roundScene(far)), InputError);
+  far = scene;
+  far.lights.push_back({.position = {1e18, 0, 0}});
+  EXPECT_THROW(checkReach(roundScene(far)), InputError);
+}
+
+TEST(Pack, RefusesATreeDeeperThanTheStack) {
+  const Scene local = roundScene(mixedScene());
+  Bvh bvh = buildBvh(primitiveBoxes(local), local.spheres.size());
+  bvh.depth = int(gpu::kMaxTreeDepth) + 1;
+  EXPECT_THROW(packScene(local, bvh), RunError);
 }
 
 TEST(Pack, EveryPrimitiveIsReachedOnceAndInItsLeafsBox) {
