@@ -42,11 +42,10 @@ Surface surfaceAt(Ray ray, float t, uint primitive) {
     // Put the point back on the plane.
     vec3 point = ray.origin + t * ray.direction;
     surface.point = point - surface.Ng * (dot(surface.Ng, point) - uintBitsToFloat(plane.w));
-    // How far that may be from the plane of a coplanar neighbour, by the kernel's arithmetic: each plane's N.x is off by
-    // about four roundings of the coordinates, and so is the point. The largest coordinate serves all three: a bound for
-    // each axis fails on axis-aligned planes.
-    surface.margin = 8.0 * kRounding * largest(abs(surface.point)) *
-                     (abs(surface.Ng.x) + abs(surface.Ng.y) + abs(surface.Ng.z));
+    // How far that may be from the plane of a coplanar neighbour, by the kernel's arithmetic: both planes' N and d are
+    // rounded, and so is every term of both N.x. The errors of the terms add up to ten roundings of the sum of their sizes
+    // at the worst; of 6.4 million rays along tilted floors one came too near with half of this.
+    surface.margin = 4.0 * kRounding * (dot(abs(surface.Ng), abs(surface.point)) + abs(uintBitsToFloat(plane.w)));
     surface.Ns = surface.Ng;
     if (SMOOTH_NORMALS && row2.w != kRefNone) {
       vec3 v0 = xyz(triangles[index].v0);
