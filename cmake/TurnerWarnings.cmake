@@ -9,6 +9,7 @@ target_compile_options(turner_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshad
   $<$<CXX_COMPILER_ID:GNU>:-fno-tree-slp-vectorize>)
 if(TURNER_SANITIZE)
   target_compile_options(turner_warnings INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=undefined
+    -fno-sanitize=vptr  # glslang comes without run-time type information
     -fno-omit-frame-pointer)
   target_link_options(turner_warnings INTERFACE -fsanitize=address,undefined)
 endif()
