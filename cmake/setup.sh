@@ -6,7 +6,7 @@ set -eu
 packages="
   g++ cmake ninja-build pkg-config
   libvulkan-dev mesa-vulkan-drivers vulkan-validationlayers
-  glslang-dev spirv-tools libglm-dev libembree-dev libopenexr-dev libpng-dev
+  glslang-dev glslang-tools spirv-tools libglm-dev libembree-dev libopenexr-dev libpng-dev
   libcli11-dev libfmt-dev rapidjson-dev libgeos-dev libmd-dev
   libgtest-dev libgmock-dev python3 python3-jsonschema
   $*"
