@@ -8,9 +8,9 @@
 #include <new>
 #include <string>
 
-#include "commands.h"
+#include "command/commands.h"
+#include "command/interrupt.h"
 #include "errors.h"
-#include "interrupt.h"
 
 namespace {
 

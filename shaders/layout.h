@@ -33,37 +33,37 @@ TURNER_CONST kRefIndexMask = 0x07ffffffu;
 TURNER_CONST kRefNone = 0xffffffffu;
 TURNER_CONST kMaxLeafSize = 8u;
 TURNER_CONST kMaxPrimitivesOfAKind = 0x07fffff0u;  // so that no leaf reads as kRefNone
-// One primitive uses bits 30 and 26..0 likewise. Where it is the one that a ray starts on, bit 29 says that the ray goes
-// to the side of a sphere's centre.
+// One primitive uses bits 30 and 26..0 likewise. Where it is the one that a ray starts on, bit 29 says that the ray
+// goes to the side of a sphere's centre.
 TURNER_CONST kLeavesInward = 0x20000000u;
 
 // Deepest path of inner nodes; the builder keeps to it, the traversal's stack has room for it.
 TURNER_CONST kMaxTreeDepth = 48u;
 
 // --- bounded work (docs/kernel.md) ----------------------------------------------------------------------------------
-// lavapipe ends all loops of an invocation after 65,535 iterations, silently. One dispatch of an invocation makes at most
-// kSegments * (kSteps + kLightTries + 1) iterations of its loops, and copies its node stack in and out.
-TURNER_CONST kSegments = 32u;    // pieces of rays (eye, secondary or shadow) traced in one dispatch
-TURNER_CONST kSteps = 1800u;     // nodes or primitives visited in one piece
-TURNER_CONST kLightTries = 8u;   // lights looked at in search of one that faces the surface
-TURNER_CONST kCanaryLength = 4u; // iterations of the loop that tells whether the limiter fired
+// lavapipe ends all loops of an invocation after 65,535 iterations, silently. One dispatch of an invocation makes at
+// most kSegments * (kSteps + kLightTries + 1) iterations of its loops, and copies its node stack in and out.
+TURNER_CONST kSegments = 32u;     // pieces of rays (eye, secondary or shadow) traced in one dispatch
+TURNER_CONST kSteps = 1800u;      // nodes or primitives visited in one piece
+TURNER_CONST kLightTries = 8u;    // lights looked at in search of one that faces the surface
+TURNER_CONST kCanaryLength = 4u;  // iterations of the loop that tells whether the limiter fired
 
 // --- specialisation constants ---------------------------------------------------------------------------------------
 // Their ids; whitted.comp declares them.
 TURNER_CONST kSpecWorkGroup = 0u;
-TURNER_CONST kSpecDepth = 1u;          // levels of the ray tree
-TURNER_CONST kSpecSamples = 2u;        // n of the n x n grid
-TURNER_CONST kSpecLights = 3u;         // number of lights
-TURNER_CONST kSpecSpheres = 4u;        // booleans from here: does the scene have ...
+TURNER_CONST kSpecDepth = 1u;    // levels of the ray tree
+TURNER_CONST kSpecSamples = 2u;  // n of the n x n grid
+TURNER_CONST kSpecLights = 3u;   // number of lights
+TURNER_CONST kSpecSpheres = 4u;  // booleans from here: does the scene have ...
 TURNER_CONST kSpecTriangles = 5u;
 TURNER_CONST kSpecSmoothNormals = 6u;
 TURNER_CONST kSpecHighlights = 7u;
 TURNER_CONST kSpecReflection = 8u;
 TURNER_CONST kSpecRefraction = 9u;
-TURNER_CONST kSpecFalloff = 10u;       // a light with inverse-square fall-off
-TURNER_CONST kSpecJitter = 11u;        // hashed positions instead of cell centres
-TURNER_CONST kSpecCounters = 12u;      // count the rays
-TURNER_CONST kSpecSegments = 13u;      // kSegments and kSteps; tests set others
+TURNER_CONST kSpecFalloff = 10u;   // a light with inverse-square fall-off
+TURNER_CONST kSpecJitter = 11u;    // hashed positions instead of cell centres
+TURNER_CONST kSpecCounters = 12u;  // count the rays
+TURNER_CONST kSpecSegments = 13u;  // kSegments and kSteps; tests set others
 TURNER_CONST kSpecSteps = 14u;
 
 // --- bindings -------------------------------------------------------------------------------------------------------
@@ -80,9 +80,9 @@ TURNER_CONST kBindStatus = 9u;
 TURNER_CONST kBindCount = 10u;
 
 // --- structures -----------------------------------------------------------------------------------------------------
-// The picture: camera and what else is the same for all pixels. The direction through the point (px, py), in pixels from
-// the top left of the full picture, is centre + (px - width/2) * right + (py - height/2) * down; each vector is the
-// unevaluated sum of two floats. The eye is the origin.
+// The picture: camera and what else is the same for all pixels. The direction through the point (px, py), in pixels
+// from the top left of the full picture, is centre + (px - width/2) * right + (py - height/2) * down; each vector is
+// the unevaluated sum of two floats. The eye is the origin.
 struct Frame {
   Row centreHi;    // w: root of the tree, a reference
   Row centreLo;    // w: width of the full picture
@@ -96,11 +96,11 @@ struct Frame {
 // A tile of the picture, and the part of it that one dispatch works on; push constants. They decide no branch by
 // themselves: lavapipe would compile the kernel anew for each value of one that does.
 struct Tile {
-  uint x0, y0;          // pixel at its top left, in the full picture
-  uint width, height;   // pixels
-  uint slots;           // invocations that the tile has state for: its 8x8 blocks times 64
-  uint firstGroup;      // work-groups that came before this dispatch
-  uint groups;          // work-groups of this dispatch
+  uint x0, y0;         // pixel at its top left, in the full picture
+  uint width, height;  // pixels
+  uint slots;          // invocations that the tile has state for: its 8x8 blocks times 64
+  uint firstGroup;     // work-groups that came before this dispatch
+  uint groups;         // work-groups of this dispatch
   uint unused;
 };
 
@@ -150,20 +150,22 @@ struct Status {
 // --- rows of an invocation's state ----------------------------------------------------------------------------------
 // An invocation that reaches the end of its dispatch keeps its work here; row r of slot s is state[r * slots + s]. All
 // zero is a pixel not yet begun.
-TURNER_CONST kStateSum = 0u;           // sum of radiance; w: phase | level << 8
-TURNER_CONST kStateCompensation = 1u;  // of the sum; w: samples done
-TURNER_CONST kStateRay = 2u;           // origin; w: primitive it leaves
-TURNER_CONST kStateDirection = 3u;     // w: weight (float)
-TURNER_CONST kStateTraced = 4u;        // origin of the ray being traced: that ray, or a shadow ray of its hit
+TURNER_CONST kStateSum = 0u;              // sum of radiance; w: phase | level << 8
+TURNER_CONST kStateCompensation = 1u;     // of the sum; w: samples done
+TURNER_CONST kStateRay = 2u;              // origin; w: primitive it leaves
+TURNER_CONST kStateDirection = 3u;        // w: weight (float)
+TURNER_CONST kStateTraced = 4u;           // origin of the ray being traced: that ray, or a shadow ray of its hit
 TURNER_CONST kStateTracedDirection = 5u;  // w: light
-TURNER_CONST kStateHit = 6u;           // x: t of the hit (float), y: primitive, z: reference to visit next, w: stack top
-TURNER_CONST kStatePending = 7u;       // x, y: levels that have a ray waiting; z: t limit of the traversal (float)
-TURNER_CONST kStateCounts = 8u;        // eye, reflected, refracted, shadow
-TURNER_CONST kStateNodeStack = 9u;     // kMaxTreeDepth references, four in a row
-TURNER_CONST kStateRayStack = 21u;     // two rows for each level from 2 on: origin, leaving; direction, weight
+TURNER_CONST kStateHit = 6u;        // x: t of the hit (float), y: primitive, z: reference to visit next, w: stack top
+TURNER_CONST kStatePending = 7u;    // x, y: levels that have a ray waiting; z: t limit of the traversal (float)
+TURNER_CONST kStateCounts = 8u;     // eye, reflected, refracted, shadow
+TURNER_CONST kStateNodeStack = 9u;  // kMaxTreeDepth references, four in a row
+TURNER_CONST kStateRayStack = 21u;  // two rows for each level from 2 on: origin, leaving; direction, weight
 
 #ifdef __cplusplus
-inline constexpr uint stateRows(uint depth) { return kStateRayStack + 2 * (depth - 1); }
+inline constexpr uint stateRows(uint depth) {
+  return kStateRayStack + 2 * (depth - 1);
+}
 static_assert(kStateRayStack == kStateNodeStack + kMaxTreeDepth / 4);
 static_assert(kSegments * (kSteps + kLightTries + 1) + 2 * kMaxTreeDepth + kCanaryLength <= 60000);
 static_assert(sizeof(Row) == 16);

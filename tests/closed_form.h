@@ -14,8 +14,8 @@
 #include <utility>
 #include <vector>
 
-#include "scene.h"
-#include "settings.h"
+#include "picture/settings.h"
+#include "scene/scene.h"
 
 namespace turner::closed_form {
 

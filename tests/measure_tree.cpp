@@ -10,7 +10,7 @@
 
 #include "closed_form.h"
 #include "errors.h"
-#include "scene_load.h"
+#include "scene/scene_load.h"
 #include "shader_harness.h"
 
 namespace turner {

@@ -5,13 +5,13 @@
 #include <cstdlib>
 #include <string>
 
-#include "bvh.h"
-#include "devices.h"
-#include "glsl.h"
-#include "pack.h"
-#include "render.h"
-#include "round_scene.h"
-#include "settings.h"
+#include "picture/settings.h"
+#include "shader/bvh.h"
+#include "shader/devices.h"
+#include "shader/glsl.h"
+#include "shader/pack.h"
+#include "shader/render.h"
+#include "shader/round_scene.h"
 
 namespace turner::test {
 

@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "bvh.h"
+#include "shader/bvh.h"
 
 namespace turner {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "closed_form.h"
-#include "reference.h"
+#include "reference/reference.h"
 #include "shader_harness.h"
 
 namespace turner {

@@ -5,8 +5,8 @@
 #include <limits>
 #include <string>
 
-#include "compare.h"
 #include "errors.h"
+#include "picture/compare.h"
 
 namespace turner {
 namespace {

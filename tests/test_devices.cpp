@@ -1,8 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "devices.h"
 #include "errors.h"
+#include "shader/devices.h"
 
 namespace turner {
 namespace {

@@ -32,7 +32,7 @@
 #include <vector>
 
 #include "errors.h"
-#include "exr.h"
+#include "picture/exr.h"
 
 namespace turner {
 namespace {

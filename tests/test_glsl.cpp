@@ -5,7 +5,7 @@
 #include <fstream>
 
 #include "errors.h"
-#include "glsl.h"
+#include "shader/glsl.h"
 
 namespace turner {
 namespace {

@@ -11,9 +11,10 @@
 #include <string>
 #include <vector>
 
+#include "damage.h"
 #include "errors.h"
-#include "scene_nff.h"
-#include "text_file.h"
+#include "scene/scene_nff.h"
+#include "scene/text_file.h"
 
 #ifndef TURNER_SHARED_SCENES_DIR
 #define TURNER_SHARED_SCENES_DIR "../shared/scenes"
@@ -343,38 +344,8 @@ const std::string kSmall = "# small\nb 0.5 0.25 1e-3\n" + kView + "l 1 2 3\nl 1 
                            "s 0 0 0 1\nc 0 0 0 1 1 0 0 0.5\np 5\n0 0 0\n4 0 0\n4 4 0\n1 1 0\n0 4 0\n" +
                            "pp 3\n0 0 0 0 0 1\n1 0 0 0 1 1\n0 1 0 1 0 1\n";
 
-// Whatever the text: a scene or an InputError. True for a scene.
-bool survives(const std::string& text) {
-  try {
-    parse(text);
-    return true;
-  } catch (const InputError& error) {
-    EXPECT_EQ(std::string(error.what()).rfind("dir/test.nff:", 0), 0u);
-    return false;
-  }
-}
-
-TEST(Nff, FileCutAnywhereParsesOrIsRefused) {
-  EXPECT_TRUE(survives(kSmall));
-  for (size_t length = 0; length < kSmall.size(); ++length) survives(kSmall.substr(0, length));
-}
-
-TEST(Nff, MutatedBytesParseOrAreRefused) {
-  std::mt19937_64 random(1);
-  int refused = 0;
-  for (int trial = 0; trial < 2000; ++trial) {
-    std::string text = kSmall;
-    for (uint64_t k = 1 + random() % 4; k > 0; --k) text[random() % text.size()] = char(random());
-    refused += !survives(text);
-  }
-  EXPECT_GT(refused, 1000);
-}
-
-TEST(Nff, BinaryGarbageIsRefused) {
-  std::mt19937_64 random(2);
-  std::string text(100000, '\0');
-  for (char& byte : text) byte = char(random());
-  EXPECT_FALSE(survives(text));
+TEST(Nff, DamagedFilesParseOrAreRefused) {
+  test::expectSurvivesDamage([](const std::string& text) { parse(text); }, kSmall, "dir/test.nff");
 }
 
 TEST(Nff, SharedScenesHaveTheirPublishedCounts) {

@@ -8,9 +8,10 @@
 #include <random>
 #include <string>
 
+#include "damage.h"
 #include "errors.h"
-#include "mesh_obj.h"
-#include "text_file.h"
+#include "scene/mesh_obj.h"
+#include "scene/text_file.h"
 
 #ifndef TURNER_SHARED_SCENES_DIR
 #define TURNER_SHARED_SCENES_DIR "../shared/scenes"
@@ -191,37 +192,8 @@ TEST(Obj, AllFaultsAreReportedAtOnce) {
 const std::string kSmall = "# small\nmtllib a.mtl\n" + kSquare + "v 0.5 0.25 1e-3\n" + kNormals +
                            "vt 0 1\nusemtl a\nf 1//1 2//1 3//2\nf 1/1/1 2/1/2 3/1/1 4/1/2\nf -5 -4 -3 \\\n -1 -2\n";
 
-bool survives(const std::string& text) {
-  try {
-    parse(text);
-    return true;
-  } catch (const InputError& error) {
-    EXPECT_EQ(std::string(error.what()).rfind("x.obj:", 0), 0u);
-    return false;
-  }
-}
-
-TEST(Obj, FileCutAnywhereParsesOrIsRefused) {
-  EXPECT_TRUE(survives(kSmall));
-  for (size_t length = 0; length < kSmall.size(); ++length) survives(kSmall.substr(0, length));
-}
-
-TEST(Obj, MutatedBytesParseOrAreRefused) {
-  std::mt19937_64 random(1);
-  int refused = 0;
-  for (int trial = 0; trial < 2000; ++trial) {
-    std::string text = kSmall;
-    for (uint64_t k = 1 + random() % 4; k > 0; --k) text[random() % text.size()] = char(random());
-    refused += !survives(text);
-  }
-  EXPECT_GT(refused, 1000);
-}
-
-TEST(Obj, BinaryGarbageIsRefused) {
-  std::mt19937_64 random(2);
-  std::string text(100000, '\0');
-  for (char& byte : text) byte = char(random());
-  EXPECT_FALSE(survives(text));
+TEST(Obj, DamagedFilesParseOrAreRefused) {
+  test::expectSurvivesDamage([](const std::string& text) { parse(text); }, kSmall, "x.obj");
 }
 
 TEST(Obj, SharedMeshesHaveTheirCounts) {

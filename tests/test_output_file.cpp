@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "errors.h"
-#include "output_file.h"
+#include "picture/output_file.h"
 
 namespace turner {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "closed_form.h"
 #include "errors.h"
-#include "pack.h"
+#include "shader/pack.h"
 #include "shader_harness.h"
 
 namespace turner {

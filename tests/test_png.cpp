@@ -1,14 +1,13 @@
 // PNG files as libpng itself reads them back.
 #include <gtest/gtest.h>
-// Not <png.h>: that would find Turner's own header.
-#include <libpng16/png.h>
+#include <png.h>
 
 #include <cmath>
 #include <limits>
 #include <string>
 #include <vector>
 
-#include "png.h"
+#include "picture/png.h"
 
 namespace turner {
 namespace {

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "polygon.h"
+#include "scene/polygon.h"
 
 namespace turner {
 namespace {

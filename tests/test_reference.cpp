@@ -1,6 +1,6 @@
 // The reference against itself: tree against brute force, crop against picture, counts, and what must never happen.
 // Its values are checked in test_closed_form.cpp.
-#include "reference.h"
+#include "reference/reference.h"
 
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@
 
 #include "closed_form.h"
 #include "errors.h"
-#include "reference_tree.h"
+#include "reference/reference_tree.h"
 
 namespace turner {
 namespace {

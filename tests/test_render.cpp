@@ -9,11 +9,11 @@
 #include <random>
 
 #include "closed_form.h"
-#include "compare.h"
 #include "errors.h"
-#include "exr.h"
-#include "reference.h"
-#include "scene_load.h"
+#include "picture/compare.h"
+#include "picture/exr.h"
+#include "reference/reference.h"
+#include "scene/scene_load.h"
 #include "shader_harness.h"
 
 namespace turner {

@@ -11,10 +11,10 @@
 #include <vector>
 
 #include "errors.h"
-#include "json_tree.h"
-#include "scene_json.h"
-#include "scene_load.h"
-#include "text_file.h"
+#include "scene/json_tree.h"
+#include "scene/scene_json.h"
+#include "scene/scene_load.h"
+#include "scene/text_file.h"
 
 namespace turner {
 namespace {

@@ -1,0 +1,265 @@
+// Options are declared with CLI11 and converted by our own exact functions, which say what is allowed.
+#include "command/command_line.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <type_traits>
+#include <utility>
+
+#include "errors.h"
+#include "scene/faults.h"
+#include "scene/number.h"
+
+namespace turner {
+namespace {
+
+// --- values: converted by our own exact functions, refused with the option, what was found and what is allowed ---
+
+[[noreturn]] void refuse(const std::string& option, const std::string& found, const std::string& allowed) {
+  throw InputError(fmt::format("{}: found '{}'; must be {}", option, found, allowed));
+}
+
+template <class Integer>
+void addInteger(CLI::App& command, const std::string& name, Integer& value, long long least, long long most,
+                const std::string& text, const std::string& type = "INT") {
+  command
+      .add_option_function<std::string>(
+          name,
+          [name, &value, least, most](const std::string& found) {
+            long long number = 0;
+            if (parseInteger(found, number) != NumberFault::none || number < least || number > most)
+              refuse(name, found, fmt::format("a whole number from {} to {}", least, most));
+            if constexpr (std::is_integral_v<Integer>)
+              value = Integer(number);
+            else
+              value = typename Integer::value_type(number);
+          },
+          text)
+      ->type_name(type);
+}
+
+template <class Real>
+void addNumber(CLI::App& command, const std::string& name, Real& value, double most, const std::string& text) {
+  command
+      .add_option_function<std::string>(
+          name,
+          [name, &value, most](const std::string& found) {
+            double number = 0;
+            if (parseNumber(found, number) != NumberFault::none || number < 0 || number > most)
+              refuse(name, found,
+                     most < INFINITY ? fmt::format("a number from 0 to {:g}", most) : "a number of at least 0");
+            value = Real(number);
+          },
+          text)
+      ->type_name("NUMBER");
+}
+
+template <class Choice>
+void addChoice(CLI::App& command, const std::string& name, Choice& value,
+               const std::vector<std::pair<std::string, Choice>>& choices, const std::string& text) {
+  std::string allowed;
+  for (const auto& [word, choice] : choices) allowed += (allowed.empty() ? "" : " or ") + word;
+  command
+      .add_option_function<std::string>(
+          name,
+          [name, &value, choices, allowed](const std::string& found) {
+            for (const auto& [word, choice] : choices) {
+              if (word != found) continue;
+              value = choice;
+              return;
+            }
+            refuse(name, found, allowed);
+          },
+          text)
+      ->type_name(allowed);
+}
+
+void addText(CLI::App& command, const std::string& name, std::string& value, const std::string& type,
+             const std::string& text) {
+  command
+      .add_option_function<std::string>(
+          name,
+          [name, &value](const std::string& found) {
+            if (found.empty()) refuse(name, found, "something");
+            value = found;
+          },
+          text)
+      ->type_name(type);
+}
+
+// --- commands ---
+
+void addRenderOptions(CLI::App& command, RenderOptions& options) {
+  addInteger(command, "--width", options.width, 1, kMaxSize, "Width of the picture in pixels (default: the scene's)");
+  addInteger(command, "--height", options.height, 1, kMaxSize,
+             "Height of the picture in pixels (default: the scene's)");
+  addInteger(command, "--samples", options.samples, 1, kMaxSamples,
+             "n of the n x n samples in each pixel (default: 1)");
+  addInteger(command, "--depth", options.depth, 1, kMaxDepth,
+             "Levels of the ray tree; the eye ray is level 1 (default: the scene's)");
+  addChoice<Sampler>(command, "--sampler", options.sampler, {{"grid", Sampler::grid}, {"jitter", Sampler::jitter}},
+                     "Where samples lie: at cell centres, or hashed inside the cells (default: grid)");
+  addInteger(command, "--seed", options.seed, 0, UINT32_MAX, "Seed of the jitter (default: 0)");
+  addNumber(command, "--min-weight", options.minWeight, 1,
+            "Drop rays whose product of r and t factors is below this (default: 0)");
+  addChoice<Geometry>(command, "--geometry", options.geometry,
+                      {{"exact", Geometry::exact}, {"rounded", Geometry::rounded}},
+                      "What the reference traces: the scene, or the values that the shader gets (default: exact)");
+  addText(command, "--device", options.device, "N|NAME",
+          "Vulkan device: index, or part of its name (default: $TURNER_DEVICE, else the best one)");
+  addText(command, "--crop", options.crop, "x0,y0,x1,y1", "Render only the pixels x0 <= x < x1, y0 <= y < y1");
+  addText(command, "--shaders", options.shaders, "DIR", "Folder of the kernel's sources (default: turner's own)");
+  command.add_flag("--quiet", options.quiet, "Print nothing but errors");
+  addInteger(
+      command, "--tile", options.tile, 8, 4096,
+      "Pixels on a tile's side, rounded up to whole blocks of 8; never changes the picture (default: the device's)");
+  addInteger(command, "--work-group", options.workGroup, 1, 1 << 20,
+             "Invocations in a work-group, rounded up to whole subgroups; never changes the picture (default: 64)");
+}
+
+void addRender(CLI::App& app, RenderOptions& options) {
+  CLI::App* command = app.add_subcommand("render", "Render a scene into EXR and PNG files");
+  command->add_option("SCENE", options.scene, "A .json or .nff scene")->required();
+  command
+      ->add_option("-o,--output", options.outputs, "File to write, .exr or .png; may be repeated (default: SCENE.exr)")
+      ->expected(1)
+      ->allow_extra_args(false)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+      ->type_name("FILE");
+  addChoice<Backend>(*command, "--backend", options.backend,
+                     {{"shader", Backend::shader}, {"reference", Backend::reference}},
+                     "Who renders: the shader, or the reference in double precision (default: shader)");
+  addText(*command, "--stats", options.stats, "FILE", "Write counts and times as JSON");
+  addRenderOptions(*command, options);
+}
+
+void addCompare(CLI::App& app, CompareOptions& options, RenderOptions& render) {
+  CLI::App* command =
+      app.add_subcommand("compare", "Compare two EXR files, or a scene's shader picture with the reference's");
+  command->add_option("FILES", options.files, "A.exr B.exr, or one scene")->required()->expected(1, 2);
+  addNumber(*command, "--max-rmse", options.bounds.rmse, INFINITY,
+            "Fail (exit 1) if the root mean square error exceeds this");
+  addNumber(*command, "--max-error", options.bounds.max, INFINITY,
+            "Fail if the largest error of a channel exceeds this");
+  addNumber(*command, "--max-bad-pixels", options.bounds.badPixels, INFINITY,
+            "Fail if the share of pixels off by more than --threshold exceeds this");
+  addNumber(*command, "--threshold", options.threshold, INFINITY,
+            "Error of a channel above which a pixel is bad (default: 0.001)");
+  addText(*command, "--error-image", options.errorImage, "FILE", "Write |A - B| as EXR");
+  command->add_flag("--json", options.json, "Print the figures as JSON");
+  addRenderOptions(*command, render);
+}
+
+// --- words that are not known ---
+
+std::string didYouMean(const std::string& word, const std::vector<std::string>& known, const std::string& help) {
+  const std::string nearest = nearestName(word, known);
+  return nearest.empty() ? help + " tells what there is" : "did you mean " + nearest + "?";
+}
+
+// The first word is a command, or asks for help or version.
+void checkFirstWord(const CLI::App& app, int argc, char** argv) {
+  std::vector<std::string> known = {"--help", "--version"};
+  for (const CLI::App* command : app.get_subcommands({})) known.push_back(command->get_name());
+  if (argc < 2) throw InputError("name a command: render, compare or devices; turner --help tells more");
+  const std::string word = argv[1];
+  if (word == "-h" || std::find(known.begin(), known.end(), word) != known.end()) return;
+  throw InputError(fmt::format("unknown {} '{}'; {}", word.starts_with('-') ? "argument" : "command", word,
+                               didYouMean(word, known, "turner --help")));
+}
+
+std::string unknownArgument(const CLI::App& app, const std::string& argument) {
+  const CLI::App* command = app.get_subcommands().at(0);
+  std::vector<std::string> known;
+  for (const CLI::Option* option : command->get_options())
+    for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+  return fmt::format(
+      "unknown argument '{}'; {}", argument,
+      didYouMean(argument.substr(0, argument.find('=')), known, "turner " + command->get_name() + " --help"));
+}
+
+}  // namespace
+
+CommandLine parseCommandLine(int argc, char** argv) {
+  CommandLine line;
+  CLI::App app("Turner: a headless Whitted ray tracer. Traces spheres and triangles in a Vulkan compute shader.",
+               "turner");
+  app.set_version_flag("--version", std::string("turner ") + TURNER_VERSION);
+  app.require_subcommand(1);
+  addRender(app, line.render);
+  addCompare(app, line.compare, line.render);
+  CLI::App* devices = app.add_subcommand("devices", "List the Vulkan devices");
+  devices->add_flag("--json", line.devicesAsJson, "Print as JSON");
+
+  checkFirstWord(app, argc, argv);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& help) {
+    app.exit(help);
+    return line;
+  } catch (const CLI::ExtrasError&) {
+    throw InputError(unknownArgument(app, app.remaining(true).at(0)));
+  } catch (const CLI::RequiredError& error) {
+    // A misspelt option is a better reason than what is missing because of it.
+    const std::vector<std::string> extras = app.remaining(true);
+    throw InputError(extras.empty() ? error.what() : unknownArgument(app, extras[0]));
+  } catch (const CLI::ParseError& error) {
+    throw InputError(error.what());
+  }
+
+  if (app.got_subcommand("render")) line.kind = CommandKind::render;
+  if (app.got_subcommand("compare")) line.kind = CommandKind::compare;
+  if (app.got_subcommand("devices")) line.kind = CommandKind::devices;
+  if (line.compare.files.size() == 1) line.render.scene = line.compare.files[0];
+  return line;
+}
+
+namespace {
+
+Window parseCrop(const std::string& text, int width, int height) {
+  int numbers[4];
+  size_t at = 0;
+  for (int i = 0; i < 4; ++i) {
+    const size_t end = i < 3 ? text.find(',', at) : text.size();
+    long long value = 0;
+    if (end == std::string::npos ||
+        parseInteger(std::string_view(text).substr(at, end - at), value) != NumberFault::none || value < 0 ||
+        value > kMaxSize)
+      refuse("--crop", text, "four whole numbers x0,y0,x1,y1");
+    numbers[i] = int(value);
+    at = end + 1;
+  }
+  const Window crop{numbers[0], numbers[1], numbers[2], numbers[3]};
+  if (crop.x0 >= crop.x1 || crop.y0 >= crop.y1 || crop.x1 > width || crop.y1 > height)
+    throw InputError(fmt::format(
+        "--crop: found {}; must be a part of the {} x {} picture: 0 <= x0 < x1 <= {} and 0 <= y0 < y1 <= {}", text,
+        width, height, width, height));
+  return crop;
+}
+
+}  // namespace
+
+RenderSettings settingsFor(const Scene& scene, const RenderOptions& options) {
+  RenderSettings settings;
+  settings.width = options.width.value_or(scene.width);
+  settings.height = options.height.value_or(scene.height);
+  settings.crop = options.crop.empty() ? Window{0, 0, settings.width, settings.height}
+                                       : parseCrop(options.crop, settings.width, settings.height);
+  settings.samples = options.samples;
+  settings.sampler = options.sampler;
+  settings.seed = options.seed;
+  settings.depth = options.depth.value_or(scene.depth);
+  settings.minWeight = options.minWeight;
+  constexpr size_t kMaxPixels = size_t(1) << 28;
+  if (settings.crop.area() > kMaxPixels)
+    throw InputError(
+        fmt::format("a picture of {} x {} pixels is too large for one file; render it in parts with --crop "
+                    "of at most {} pixels",
+                    settings.crop.width(), settings.crop.height(), kMaxPixels));
+  return settings;
+}
+
+}  // namespace turner

@@ -1,0 +1,57 @@
+// The command line as plain data. CLI11 appears in command_line.cpp only.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "picture/compare.h"
+#include "picture/settings.h"
+#include "scene/scene.h"
+
+namespace turner {
+
+enum class CommandKind { render, compare, devices, printed };
+enum class Backend { shader, reference };
+enum class Geometry { exact, rounded };
+
+// What `render` takes, and `compare SCENE` too. Empty: the scene's value.
+struct RenderOptions {
+  std::string scene;
+  std::vector<std::string> outputs;
+  std::optional<int> width, height, depth;
+  int samples = 1;
+  Sampler sampler = Sampler::grid;
+  uint32_t seed = 0;
+  double minWeight = 0;
+  Backend backend = Backend::shader;
+  Geometry geometry = Geometry::exact;
+  std::string device, crop, shaders, stats;
+  bool quiet = false;
+  int tile = 0;  // how the work is cut; never changes the picture
+  int workGroup = 64;
+};
+
+struct CompareOptions {
+  std::vector<std::string> files;  // two EXR files, or one scene
+  Bounds bounds;
+  double threshold = 1e-3;
+  std::string errorImage;
+  bool json = false;
+};
+
+struct CommandLine {
+  CommandKind kind = CommandKind::printed;  // printed: help or version, already shown
+  RenderOptions render;
+  CompareOptions compare;
+  bool devicesAsJson = false;
+};
+
+// Throws InputError with one clear message; prints help and version itself.
+CommandLine parseCommandLine(int argc, char** argv);
+
+// What a scene's picture depends on: the scene's own size and depth, overridden by the options. Throws InputError when
+// crop and size do not fit each other or memory.
+RenderSettings settingsFor(const Scene& scene, const RenderOptions& options);
+
+}  // namespace turner

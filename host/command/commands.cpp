@@ -1,0 +1,264 @@
+// Each command is told as the way that data takes: load, round, build, pack, dispatch, read back, write.
+#include "command/commands.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <thread>
+
+#include "command/data_folder.h"
+#include "command/interrupt.h"
+#include "command/progress_line.h"
+#include "command/stats.h"
+#include "errors.h"
+#include "picture/exr.h"
+#include "picture/output_file.h"
+#include "picture/png.h"
+#include "picture/provenance.h"
+#include "reference/reference.h"
+#include "scene/scene_load.h"
+#include "shader/bvh.h"
+#include "shader/glsl.h"
+#include "shader/pack.h"
+#include "shader/render.h"
+#include "shader/round_scene.h"
+
+namespace turner {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// The seconds since the last call, or since this stopwatch was made.
+class Stopwatch {
+ public:
+  double lap() {
+    const Clock::time_point now = Clock::now();
+    const double seconds = std::chrono::duration<double>(now - last_).count();
+    last_ = now;
+    return seconds;
+  }
+
+ private:
+  Clock::time_point last_ = Clock::now();
+};
+
+std::string lowerExtension(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  for (char& c : extension) c = char(std::tolower((unsigned char)c));
+  return extension;
+}
+
+// Looks at every output before any work is done for it.
+void checkOutput(const std::string& path, bool mayBePng) {
+  const std::string extension = lowerExtension(path);
+  if (extension != ".exr" && !(mayBePng && extension == ".png"))
+    throw InputError("cannot write '" + path + "': its name must end in .exr" + (mayBePng ? " or .png" : ""));
+  checkWritable(path);
+}
+
+// Two outputs of one name would leave only the last.
+void refuseRepeated(std::vector<std::string> files) {
+  for (std::string& file : files) file = std::filesystem::absolute(file).lexically_normal().string();
+  std::sort(files.begin(), files.end());
+  const auto twice = std::adjacent_find(files.begin(), files.end());
+  if (twice != files.end()) throw InputError("the output " + *twice + " is named twice");
+}
+
+void writePicture(const std::string& path, const Image& image, const Provenance& provenance) {
+  writeWholeFile(path, lowerExtension(path) == ".png" ? encodePng(image) : encodeExr(image, provenance));
+}
+
+Scene loadAndTell(const RenderOptions& options) {
+  const std::string path = findScene(options.scene);
+  Scene scene = loadScene(path);
+  if (!options.quiet) {
+    fmt::print("scene: {} ({} spheres, {} triangles, {} lights)\n", path, scene.spheres.size(), scene.triangles.size(),
+               scene.lights.size());
+    for (const std::string& note : scene.notes) fmt::print("note: {}\n", note);
+  }
+  return scene;
+}
+
+double sampleCount(const RenderSettings& settings) {
+  return double(settings.crop.area()) * settings.samples * settings.samples;
+}
+
+// What either backend hands to the writers.
+struct Rendered {
+  Image image;
+  Stats stats;
+};
+
+DeviceInfo chooseAndTell(const RenderOptions& options) {
+  const char* environment = std::getenv("TURNER_DEVICE");
+  const DeviceInfo device = chooseDevice(listDevices(), !options.device.empty() ? options.device
+                                                        : environment           ? environment
+                                                                                : "");
+  if (!options.quiet) fmt::print("device: {}: {} ({}, {})\n", device.index, device.name, device.type, device.driver);
+  return device;
+}
+
+// scene -> rounded -> tree -> packed -> device -> picture
+Rendered renderWithShader(const Scene& scene, const RenderSettings& settings, const RenderOptions& options,
+                          bool countRays) {
+  Rendered result;
+  Stats& stats = result.stats;
+  stats.backend = "shader";
+  stats.device = chooseAndTell(options);
+  ShaderRenderer renderer(stats.device);
+
+  Stopwatch watch;
+  const Scene local = roundScene(scene);
+  checkReach(local);
+  const Bvh bvh = buildBvh(primitiveBoxes(local), local.spheres.size(), {gpu::kMaxLeafSize, int(gpu::kMaxTreeDepth)});
+  const PackedScene packed = packScene(local, bvh);
+  stats.treeNodes = packed.nodes.size();
+  stats.treeDepth = packed.treeDepth;
+  stats.geometryBytes = packed.bytes();
+  stats.seconds.build = watch.lap();
+  throwIfInterrupted();
+
+  const Spirv kernel = compileGlsl(shaderFolder(options.shaders) + "/whitted.comp");
+  stats.seconds.compile = watch.lap();
+  throwIfInterrupted();
+
+  renderer.upload(packed);
+  stats.seconds.upload = watch.lap();
+
+  Dispatching dispatching;
+  dispatching.tile = options.tile;
+  dispatching.workGroup = options.workGroup;
+  ShaderPicture picture;
+  {
+    ProgressLine progress("tracing", sampleCount(settings), options.quiet);
+    picture = renderer.render(kernel, settings, std::ref(progress), dispatching);
+  }
+  stats.seconds.compile += picture.compileSeconds;
+  stats.seconds.trace = picture.traceSeconds;
+  stats.seconds.readback = picture.readbackSeconds;
+  result.image = std::move(picture.image);
+
+  if (countRays) {
+    ProgressLine progress("counting rays", sampleCount(settings), options.quiet);
+    stats.rays = renderer.countRays(kernel, settings, std::ref(progress), dispatching);
+  }
+  return result;
+}
+
+Rendered renderWithReference(const Scene& scene, const RenderSettings& settings, const RenderOptions& options) {
+  Rendered result;
+  Stats& stats = result.stats;
+  stats.backend = "reference";
+  stats.device.name = "reference";
+  stats.device.driver = "double precision";
+  stats.device.type = "CPU";
+
+  Stopwatch watch;
+  ProgressLine progress("reference", sampleCount(settings), options.quiet);
+  ReferencePicture picture =
+      renderReference(options.geometry == Geometry::rounded ? roundScene(scene) : scene, settings, std::ref(progress));
+  stats.seconds.trace = watch.lap();
+  stats.rays = picture.rays;
+  result.image = std::move(picture.image);
+  return result;
+}
+
+void tellFigures(const Comparison& c, double threshold) {
+  fmt::print("size         {} x {}\n", c.width, c.height);
+  fmt::print("rmse         {:.3e}   relative {:.3e}\n", c.rmse, c.relRmse);
+  fmt::print("mean error   {:.3e}   signed {:+.3e}\n", c.mae, c.meanSigned);
+  fmt::print("percentiles  50: {:.3e}   99: {:.3e}   99.9: {:.3e}   max: {:.3e}\n", c.p50, c.p99, c.p999, c.max);
+  fmt::print("bad pixels   {:.4f} % off by more than {:g}\n", 100 * c.badPixels, threshold);
+  fmt::print("nan, inf     {}, {}\n", c.nan, c.inf);
+}
+
+}  // namespace
+
+int runRender(const RenderOptions& options) {
+  Stopwatch total, watch;
+  std::vector<std::string> outputs = options.outputs;
+  if (outputs.empty()) outputs = {std::filesystem::path(options.scene).stem().string() + ".exr"};
+  for (const std::string& output : outputs) checkOutput(output, true);
+  std::vector<std::string> files = outputs;
+  if (!options.stats.empty()) {
+    checkWritable(options.stats);
+    files.push_back(options.stats);
+  }
+  refuseRepeated(files);
+
+  const Scene scene = loadAndTell(options);
+  const RenderSettings settings = settingsFor(scene, options);
+  const double loadSeconds = watch.lap();
+  throwIfInterrupted();
+
+  Rendered rendered = options.backend == Backend::shader
+                          ? renderWithShader(scene, settings, options, !options.stats.empty())
+                          : renderWithReference(scene, settings, options);
+  throwIfInvalid();
+  Stats& stats = rendered.stats;
+  const Provenance provenance = makeProvenance(scene, settings, stats.backend, stats.device.name, stats.device.driver);
+  throwIfInterrupted();
+  for (const std::string& output : outputs) {
+    writePicture(output, rendered.image, provenance);
+    if (!options.quiet) fmt::print("wrote {}\n", output);
+  }
+
+  stats.scene = options.scene;
+  stats.settings = settings;
+  stats.spheres = scene.spheres.size();
+  stats.triangles = scene.triangles.size();
+  stats.seconds.load = loadSeconds;
+  stats.seconds.total = total.lap();
+  if (!options.stats.empty()) writeWholeFile(options.stats, statsJson(stats));
+  if (!options.quiet) {
+    fmt::print("traced in {:.3f} s, all in {:.3f} s", stats.seconds.trace, stats.seconds.total);
+    if (stats.rays.total() > 0)
+      fmt::print(": {} rays, {:.3g} Mray/s", stats.rays.total(),
+                 double(stats.rays.total()) / stats.seconds.trace * 1e-6);
+    fmt::print("\n");
+  }
+  return 0;
+}
+
+int runCompare(const CompareOptions& compare, const RenderOptions& render) {
+  if (!compare.errorImage.empty()) checkOutput(compare.errorImage, false);
+  Image a, b;
+  if (compare.files.size() == 2) {
+    a = readExr(compare.files[0]);
+    b = readExr(compare.files[1]);
+  } else {
+    RenderOptions options = render;
+    options.quiet |= compare.json;  // stdout belongs to the figures
+    const Scene scene = loadAndTell(options);
+    const RenderSettings settings = settingsFor(scene, options);
+    a = renderWithShader(scene, settings, options, false).image;
+    throwIfInvalid();
+    b = renderWithReference(scene, settings, options).image;
+  }
+
+  const Comparison comparison = compareImages(a, b, compare.threshold);
+  if (compare.json)
+    fmt::print("{}", comparisonJson(comparison));
+  else
+    tellFigures(comparison, compare.threshold);
+  if (!compare.errorImage.empty()) writeWholeFile(compare.errorImage, encodeExr(errorImage(a, b), {}));
+  return within(comparison, compare.bounds) ? 0 : 1;
+}
+
+int runDevices(bool asJson) {
+  const std::vector<DeviceInfo> devices = listDevices();
+  if (asJson) {
+    fmt::print("{}", devicesJson(devices));
+    return 0;
+  }
+  for (const DeviceInfo& device : devices)
+    fmt::print("{}: {} ({}), Vulkan {}, {}{}\n", device.index, device.name, device.type, device.api, device.driver,
+               device.usable ? "" : ": not usable, needs Vulkan 1.2 and a compute queue");
+  return 0;
+}
+
+}  // namespace turner

@@ -1,0 +1,151 @@
+// One JSON object for each function, its keys in the order of the contract.
+#include "command/stats.h"
+
+#include <rapidjson/prettywriter.h>
+#include <rapidjson/stringbuffer.h>
+
+#include <type_traits>
+
+namespace turner {
+namespace {
+
+// Writes objects key by key.
+class JsonText {
+ public:
+  JsonText() { writer_.SetIndent(' ', 2); }
+
+  template <class Fill>
+  void object(Fill&& fill) {
+    writer_.StartObject();
+    fill();
+    writer_.EndObject();
+  }
+  template <class Fill>
+  void object(const char* key, Fill&& fill) {
+    writer_.Key(key);
+    object(fill);
+  }
+  template <class Fill>
+  void array(Fill&& fill) {
+    writer_.StartArray();
+    fill();
+    writer_.EndArray();
+  }
+  template <class Value>
+  void put(const char* key, const Value& value) {
+    writer_.Key(key);
+    put(value);
+  }
+  template <class Value>
+  void put(const Value& value) {
+    if constexpr (std::is_same_v<Value, bool>)
+      writer_.Bool(value);
+    else if constexpr (std::is_floating_point_v<Value>)
+      writer_.Double(value);
+    else if constexpr (std::is_signed_v<Value>)
+      writer_.Int64(value);
+    else if constexpr (std::is_unsigned_v<Value>)
+      writer_.Uint64(value);
+    else
+      writer_.String(std::string(value).c_str());
+  }
+  std::string text() const { return std::string(buffer_.GetString()) + '\n'; }
+
+ private:
+  rapidjson::StringBuffer buffer_;
+  rapidjson::PrettyWriter<rapidjson::StringBuffer> writer_{buffer_};
+};
+
+}  // namespace
+
+std::string statsJson(const Stats& stats) {
+  JsonText json;
+  const RenderSettings& settings = stats.settings;
+  json.object([&] {
+    json.put("scene", stats.scene);
+    json.object("device", [&] {
+      json.put("name", stats.device.name);
+      json.put("driver", stats.device.driver);
+      json.put("type", stats.device.type);
+    });
+    json.object("options", [&] {
+      json.put("width", settings.width);
+      json.put("height", settings.height);
+      json.put("samples", settings.samples);
+      json.put("depth", settings.depth);
+      json.put("sampler", settings.sampler == Sampler::grid ? "grid" : "jitter");
+      json.put("seed", settings.seed);
+      json.put("min_weight", settings.minWeight);
+      json.put("backend", stats.backend);
+      json.put("crop", std::to_string(settings.crop.x0) + ',' + std::to_string(settings.crop.y0) + ',' +
+                           std::to_string(settings.crop.x1) + ',' + std::to_string(settings.crop.y1));
+    });
+    json.object("primitives", [&] {
+      json.put("spheres", stats.spheres);
+      json.put("triangles", stats.triangles);
+    });
+    json.object("rays", [&] {
+      json.put("eye", stats.rays.eye);
+      json.put("reflected", stats.rays.reflected);
+      json.put("refracted", stats.rays.refracted);
+      json.put("shadow", stats.rays.shadow);
+    });
+    json.object("seconds", [&] {
+      json.put("load", stats.seconds.load);
+      json.put("build", stats.seconds.build);
+      json.put("compile", stats.seconds.compile);
+      json.put("upload", stats.seconds.upload);
+      json.put("trace", stats.seconds.trace);
+      json.put("readback", stats.seconds.readback);
+      json.put("total", stats.seconds.total);
+    });
+    json.put("mrays_per_second",
+             stats.seconds.trace > 0 ? double(stats.rays.total()) / stats.seconds.trace * 1e-6 : 0.0);
+    json.object("tree", [&] {
+      const size_t primitives = stats.spheres + stats.triangles;
+      json.put("nodes", stats.treeNodes);
+      json.put("depth", stats.treeDepth);
+      json.put("bytes_per_primitive", primitives > 0 ? double(stats.geometryBytes) / double(primitives) : 0.0);
+    });
+  });
+  return json.text();
+}
+
+std::string comparisonJson(const Comparison& comparison) {
+  JsonText json;
+  json.object([&] {
+    json.put("rmse", comparison.rmse);
+    json.put("rel_rmse", comparison.relRmse);
+    json.put("mae", comparison.mae);
+    json.put("max", comparison.max);
+    json.put("mean_signed", comparison.meanSigned);
+    json.put("p50", comparison.p50);
+    json.put("p99", comparison.p99);
+    json.put("p999", comparison.p999);
+    json.put("bad_pixels", comparison.badPixels);
+    json.put("nan", comparison.nan);
+    json.put("inf", comparison.inf);
+    json.put("width", comparison.width);
+    json.put("height", comparison.height);
+  });
+  return json.text();
+}
+
+std::string devicesJson(const std::vector<DeviceInfo>& devices) {
+  JsonText json;
+  json.array([&] {
+    for (const DeviceInfo& device : devices) {
+      json.object([&] {
+        json.put("index", device.index);
+        json.put("name", device.name);
+        json.put("type", device.type);
+        json.put("driver", device.driver);
+        json.put("api", device.api);
+        json.put("usable", device.usable);
+      });
+    }
+  });
+  return json.text();
+}
+
+}  // namespace turner

@@ -1,0 +1,34 @@
+// Figures as JSON, for --stats, compare --json and devices --json. RapidJSON's writer appears in stats.cpp only.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "picture/compare.h"
+#include "picture/settings.h"
+#include "scene/scene.h"
+#include "shader/devices.h"
+
+namespace turner {
+
+struct Seconds {
+  double load = 0, build = 0, compile = 0, upload = 0, trace = 0, readback = 0, total = 0;
+};
+
+struct Stats {
+  std::string scene;
+  DeviceInfo device;
+  RenderSettings settings;
+  std::string backend;
+  size_t spheres = 0, triangles = 0;
+  RayCounts rays;
+  Seconds seconds;
+  size_t treeNodes = 0, geometryBytes = 0;  // on the device; 0 for the reference
+  int treeDepth = 0;
+};
+
+std::string statsJson(const Stats& stats);
+std::string comparisonJson(const Comparison& comparison);
+std::string devicesJson(const std::vector<DeviceInfo>& devices);
+
+}  // namespace turner

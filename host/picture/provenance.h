@@ -1,0 +1,20 @@
+// What an EXR of Turner's says about itself: from which scene, by which options, on which device.
+#pragma once
+
+#include <string>
+
+#include "picture/exr.h"
+#include "picture/settings.h"
+#include "scene/scene.h"
+
+namespace turner {
+
+// The options that the picture depends on, as one would type them.
+std::string optionsText(const RenderSettings& settings, const std::string& backend);
+
+// `device` and `driver` name what rendered it. No dates or timings: the file depends on scene, options and device
+// alone.
+Provenance makeProvenance(const Scene& scene, const RenderSettings& settings, const std::string& backend,
+                          const std::string& device, const std::string& driver);
+
+}  // namespace turner

@@ -1,0 +1,39 @@
+// What a picture of a scene depends on besides the scene, and what comes back from either renderer (shader or
+// reference): the picture and the count of its rays.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+
+#include "picture/image.h"
+
+namespace turner {
+
+enum class Sampler { grid, jitter };
+
+struct RenderSettings {
+  int width = 512, height = 512;    // of the full picture, pixels
+  Window crop{0, 0, 512, 512};      // the part to render
+  int samples = 1;                  // n of the n x n grid in each pixel
+  Sampler sampler = Sampler::grid;  // cell centres, or hashed positions inside the cells
+  uint32_t seed = 0;                // of the jitter's hash
+  int depth = 5;                    // levels of the ray tree, the eye ray being level 1
+  double minWeight = 0;             // rays whose product of r and t factors is below this are dropped
+
+  // What renderers compare that product with: a little less, so that 0.7 * 0.7 is not below 0.49, in double or in
+  // float.
+  double weightLimit() const { return minWeight * (1 - 0x1p-20); }
+};
+
+// Rays that were spawned, by kind; see "Counted is what is spawned" in docs/light_transport.md.
+struct RayCounts {
+  uint64_t eye = 0, reflected = 0, refracted = 0, shadow = 0;
+  uint64_t total() const { return eye + reflected + refracted + shadow; }
+  bool operator==(const RayCounts&) const = default;
+};
+
+// Called now and then from the thread that called the renderer, with the share of the work that is done, in [0, 1].
+// May throw (Interrupted): the renderer then cleans up and lets it pass.
+using Progress = std::function<void(double)>;
+
+}  // namespace turner

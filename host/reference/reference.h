@@ -1,0 +1,24 @@
+// The witness: renders a scene in double precision, recursively, with formulas and an acceleration structure of its
+// own. Shares the scene and the settings with the shader's path, and no tracing code.
+#pragma once
+
+#include "picture/image.h"
+#include "picture/settings.h"
+#include "scene/scene.h"
+
+namespace turner {
+
+struct ReferencePicture {
+  Image image;
+  RayCounts rays;
+};
+
+// How the reference finds its hits. Brute force tests every primitive; it is the tests' witness for the tree.
+enum class ReferenceSearch { tree, bruteForce };
+
+// Renders `scene` (as it stands: exact, or the result of roundScene) on all cores.
+// The picture does not depend on the number of cores, nor on the crop.
+ReferencePicture renderReference(const Scene& scene, const RenderSettings& settings, const Progress& progress = {},
+                                 ReferenceSearch search = ReferenceSearch::tree);
+
+}  // namespace turner

@@ -1,0 +1,133 @@
+// Chooses the parser by the extension, then adds what the file left out.
+#include "scene/scene_load.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+#include "errors.h"
+#include "scene/scene_json.h"
+#include "scene/scene_nff.h"
+#include "scene/text_file.h"
+
+namespace turner {
+
+namespace {
+
+ParsedScene parseByExtension(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  for (char& c : extension) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  if (extension != ".json" && extension != ".nff") {
+    throw InputError(path +
+                     ": error: " + (extension.empty() ? "no extension" : "unknown extension \"" + extension + '"') +
+                     "; a scene is a .json or an .nff file");
+  }
+  const std::string text = readTextFile(path);
+  ParsedScene parsed = extension == ".json" ? parseJsonScene(path, text) : parseNffScene(path, text);
+  if (parsed.scene.sources.empty()) {
+    parsed.scene.sources.push_back({std::filesystem::path(path).filename().string(), sha256Hex(text)});
+  }
+  return parsed;
+}
+
+// Whether the cross product of two edges vanishes. The edges are brought to about 1 first, by powers of two, so that it
+// does so for the triangle's shape and not because tiny numbers underflow.
+bool hasNoArea(const Triangle& triangle) {
+  const auto scaled = [](glm::dvec3 edge) {
+    const double largest = std::max({std::abs(edge.x), std::abs(edge.y), std::abs(edge.z)});
+    if (largest == 0) return edge;
+    const int exponent = -std::ilogb(largest);
+    return glm::dvec3(std::scalbn(edge.x, exponent), std::scalbn(edge.y, exponent), std::scalbn(edge.z, exponent));
+  };
+  const auto& [a, b, c] = triangle.vertices;
+  return b == c || glm::cross(scaled(b - a), scaled(c - a)) == glm::dvec3(0);
+}
+
+// Their vertex normals stay behind in Scene::normals, unreferenced.
+void dropTrianglesWithoutArea(Scene& scene) {
+  const size_t dropped = std::erase_if(scene.triangles, hasNoArea);
+  if (dropped == 1) scene.notes.push_back("1 triangle without area was dropped");
+  if (dropped > 1) scene.notes.push_back(std::to_string(dropped) + " triangles without area were dropped");
+}
+
+// A node of the acceleration structure names its primitives by 27 bits.
+void refuseTooManyPrimitives(const std::string& path, const Scene& scene) {
+  constexpr size_t kMost = (size_t(1) << 27) - 1;
+  const auto refuse = [&](size_t count, const char* what) {
+    if (count <= kMost) return;
+    throw InputError(path + ": error: the scene has " + std::to_string(count) + ' ' + what + "; at most " +
+                     std::to_string(kMost) + " are allowed");
+  };
+  refuse(scene.spheres.size(), "spheres");
+  refuse(scene.triangles.size(), "triangles");
+}
+
+struct Bounds {
+  glm::dvec3 low{std::numeric_limits<double>::infinity()};
+  glm::dvec3 high{-std::numeric_limits<double>::infinity()};
+
+  void add(const glm::dvec3& a, const glm::dvec3& b) {
+    low = glm::min(low, glm::min(a, b));
+    high = glm::max(high, glm::max(a, b));
+  }
+};
+
+Bounds boundsOf(const Scene& scene) {
+  Bounds bounds;
+  for (const Sphere& sphere : scene.spheres) {
+    bounds.add(sphere.center - std::abs(sphere.radius), sphere.center + std::abs(sphere.radius));
+  }
+  for (const Triangle& triangle : scene.triangles) {
+    for (const glm::dvec3& vertex : triangle.vertices) bounds.add(vertex, vertex);
+  }
+  return bounds;
+}
+
+// Looks from the front, a little from above and from the right, at the sphere around the scene's bounds.
+Camera fitCamera(const Scene& scene) {
+  Camera camera;
+  if (scene.spheres.empty() && scene.triangles.empty()) return camera;
+  const Bounds bounds = boundsOf(scene);
+  const glm::dvec3 center = 0.5 * (bounds.low + bounds.high);
+  const double radius = 0.5 * glm::length(bounds.high - bounds.low);
+
+  // The narrower of the two angles of view must hold the sphere, with a small margin around it.
+  const double tangent = std::tan(0.5 * camera.fov * std::numbers::pi / 180);
+  const double narrower = std::atan(tangent * std::min(1.0, double(scene.width) / scene.height));
+  constexpr double kMargin = 1.05;
+  double distance = kMargin * radius / std::sin(narrower);
+  // Far from the origin, what is very small would leave no distance after rounding.
+  distance = std::max(distance, 1e-9 * glm::length(center));
+  if (distance == 0) distance = 1;
+
+  camera.target = center;
+  camera.eye = center + distance * glm::normalize(glm::dvec3(0.25, 0.35, 1));
+  return camera;
+}
+
+void noteWhatIsMissing(Scene& scene, bool hasCamera) {
+  if (scene.lights.empty()) scene.notes.push_back("the scene has no lights: its objects are black");
+  if (scene.spheres.empty() && scene.triangles.empty())
+    scene.notes.push_back("the scene has no objects: the picture is its background");
+  if (!hasCamera) scene.notes.push_back("the scene has no camera: one was fitted to its bounds");
+}
+
+}  // namespace
+
+Scene loadScene(const std::string& path) {
+  ParsedScene parsed = parseByExtension(path);
+  Scene scene = std::move(parsed.scene);
+  scene.name = std::filesystem::path(path).stem().string();
+  dropTrianglesWithoutArea(scene);
+  refuseTooManyPrimitives(path, scene);
+  if (!parsed.hasCamera) scene.camera = fitCamera(scene);
+  noteWhatIsMissing(scene, parsed.hasCamera);
+  return scene;
+}
+
+}  // namespace turner

@@ -1,0 +1,53 @@
+// From a scene to what the kernel reads: rounded, in the order of the tree's leaves, in rows of layout.h.
+#pragma once
+
+#include <vector>
+
+#include "layout.h"
+#include "picture/settings.h"
+#include "scene/scene.h"
+#include "shader/bvh.h"
+#include "shader/round_scene.h"
+
+namespace turner {
+
+// What the scene needs of the kernel; the rest is compiled out.
+struct Features {
+  uint32_t lights = 0;
+  bool spheres = false, triangles = false, smoothNormals = false, highlights = false;
+  bool reflection = false, refraction = false, falloff = false;
+};
+
+// What all rays see.
+struct View {
+  Camera camera;  // in the local frame, its eye the origin
+  glm::dvec3 background{0};
+  gpu::uint root = gpu::kRefNone;  // of the tree
+};
+
+struct PackedScene {
+  std::vector<gpu::Node> nodes;
+  std::vector<gpu::Sphere> spheres;
+  std::vector<gpu::Triangle> triangles;
+  std::vector<gpu::VertexNormals> vertexNormals;
+  std::vector<gpu::Material> materials;
+  std::vector<gpu::Light> lights;
+  View view;
+  Features features;
+  int treeDepth = 0;
+  size_t primitives() const { return spheres.size() + triangles.size(); }
+  size_t bytes() const;  // of geometry and tree on the device
+};
+
+// The boxes that the tree is built over: spheres, then triangles, of a scene from roundScene. Padded outward, so that
+// a ray which hits a primitive by the kernel's arithmetic enters its box by the kernel's arithmetic.
+std::vector<Box> primitiveBoxes(const Scene& local);
+
+// `local` comes from roundScene, `bvh` from its primitiveBoxes. Throws InputError if there are more primitives than a
+// reference can name; RunError if the tree is deeper than the kernel's stack.
+PackedScene packScene(const Scene& local, const Bvh& bvh);
+
+// What the kernel needs of the view and the settings.
+gpu::Frame packFrame(const View& view, const RenderSettings& settings, uint32_t deviceThreads);
+
+}  // namespace turner

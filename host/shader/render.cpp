@@ -1,0 +1,392 @@
+// Tiles, passes and dispatches: how the picture's work is cut, and nothing about rays.
+#include "shader/render.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstring>
+#include <thread>
+
+#include "errors.h"
+#include "shader/gpu.h"
+
+namespace turner {
+namespace {
+
+using gpu::uint;
+using Clock = std::chrono::steady_clock;
+
+double secondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+// A dispatch should take about this long: below any watchdog (2 s on Windows, 5 s and more on Linux) and short enough
+// for progress and Ctrl-C, long enough to be worth its submission.
+constexpr double kLongDispatch = 0.2, kShortDispatch = 0.05;  // seconds
+
+// Most bytes of invocation state at a time.
+constexpr vk::DeviceSize kStateBytes = 256 << 20;
+
+template <class T>
+std::span<const std::byte> bytesOf(const std::vector<T>& values) {
+  return std::as_bytes(std::span<const T>(values));
+}
+
+// Everything written before is visible to everything after.
+void fullBarrier(const vk::raii::CommandBuffer& commands) {
+  using Stage = vk::PipelineStageFlagBits;
+  using Access = vk::AccessFlagBits;
+  const vk::MemoryBarrier barrier(
+      Access::eShaderWrite | Access::eTransferWrite | Access::eHostWrite,
+      Access::eShaderRead | Access::eShaderWrite | Access::eTransferRead | Access::eTransferWrite | Access::eHostRead);
+  const vk::PipelineStageFlags stages = Stage::eComputeShader | Stage::eTransfer | Stage::eHost;
+  commands.pipelineBarrier(stages, stages, {}, barrier, {}, {});
+}
+
+void copy(const vk::raii::CommandBuffer& commands, const Buffer& from, vk::DeviceSize offset, const Buffer& to,
+          vk::DeviceSize size) {
+  commands.copyBuffer(**from.buffer, **to.buffer, vk::BufferCopy(offset, 0, size));
+}
+
+// The kernel, specialised to a scene and its settings.
+struct Pipeline {
+  vk::raii::DescriptorSetLayout setLayout;
+  vk::raii::PipelineLayout layout;
+  vk::raii::Pipeline pipeline;
+};
+
+vk::raii::DescriptorSetLayout makeSetLayout(const Device& device) {
+  std::array<vk::DescriptorSetLayoutBinding, gpu::kBindCount> bindings;
+  for (uint i = 0; i < gpu::kBindCount; ++i)
+    bindings[i] = {i, vk::DescriptorType::eStorageBuffer, 1, vk::ShaderStageFlagBits::eCompute};
+  return {device.vulkan(), vk::DescriptorSetLayoutCreateInfo({}, bindings)};
+}
+
+Pipeline makePipeline(const Device& device, const Spirv& kernel, const Features& features,
+                      const RenderSettings& settings, const Dispatching& dispatching, uint workGroup, bool counters) {
+  std::array<uint, gpu::kSpecSteps + 1> constants{};
+  constants[gpu::kSpecWorkGroup] = workGroup;
+  constants[gpu::kSpecDepth] = uint(settings.depth);
+  constants[gpu::kSpecSamples] = uint(settings.samples);
+  constants[gpu::kSpecLights] = features.lights;
+  constants[gpu::kSpecSpheres] = features.spheres;
+  constants[gpu::kSpecTriangles] = features.triangles;
+  constants[gpu::kSpecSmoothNormals] = features.smoothNormals;
+  constants[gpu::kSpecHighlights] = features.highlights;
+  constants[gpu::kSpecReflection] = features.reflection && settings.depth > 1;
+  constants[gpu::kSpecRefraction] = features.refraction && settings.depth > 1;
+  constants[gpu::kSpecFalloff] = features.falloff;
+  constants[gpu::kSpecJitter] = settings.sampler == Sampler::jitter;
+  constants[gpu::kSpecCounters] = counters;
+  constants[gpu::kSpecSegments] = dispatching.segments;
+  constants[gpu::kSpecSteps] = dispatching.steps;
+  std::array<vk::SpecializationMapEntry, constants.size()> entries;
+  for (uint i = 0; i < entries.size(); ++i)
+    entries[i] = vk::SpecializationMapEntry(i, uint(i * sizeof(uint)), sizeof(uint));
+  const vk::SpecializationInfo specialization(uint(entries.size()), entries.data(), sizeof constants, constants.data());
+
+  Pipeline result{makeSetLayout(device), nullptr, nullptr};
+  const vk::PushConstantRange tile(vk::ShaderStageFlagBits::eCompute, 0, sizeof(gpu::Tile));
+  result.layout = {device.vulkan(), vk::PipelineLayoutCreateInfo({}, *result.setLayout, tile)};
+  const vk::raii::ShaderModule module(device.vulkan(), vk::ShaderModuleCreateInfo({}, kernel.words));
+  const vk::PipelineShaderStageCreateInfo stage({}, vk::ShaderStageFlagBits::eCompute, *module, "main",
+                                                &specialization);
+  result.pipeline = {device.vulkan(), nullptr, vk::ComputePipelineCreateInfo({}, stage, *result.layout)};
+  device.name(module, "whitted.comp");
+  device.name(result.pipeline, counters ? "whitted, counting rays" : "whitted");
+  throwIfInvalid();
+  return result;
+}
+
+// The tiles of a crop, left to right, top to bottom, each with state for its 8x8 blocks.
+std::vector<gpu::Tile> cutIntoTiles(const Window& crop, int side) {
+  std::vector<gpu::Tile> tiles;
+  for (int y = crop.y0; y < crop.y1; y += side) {
+    for (int x = crop.x0; x < crop.x1; x += side) {
+      gpu::Tile tile{};
+      tile.x0 = uint(x);
+      tile.y0 = uint(y);
+      tile.width = uint(std::min(side, crop.x1 - x));
+      tile.height = uint(std::min(side, crop.y1 - y));
+      tile.slots = ((tile.width + 7) / 8) * ((tile.height + 7) / 8) * 64;
+      tiles.push_back(tile);
+    }
+  }
+  return tiles;
+}
+
+// What of the whole picture is done when a share of one tile is.
+Progress tileProgress(const Progress& progress, size_t pixelsBefore, size_t pixels, size_t allPixels) {
+  if (!progress) return [](double) {};
+  return [=](double share) { progress((double(pixelsBefore) + share * double(pixels)) / double(allPixels)); };
+}
+
+}  // namespace
+
+struct ShaderRenderer::Parts {
+  Device device;
+  Features features;
+  View view;
+  Buffer nodes, spheres, triangles, vertexNormals, materials, lights;
+  // Work-groups in one dispatch: follows the measured times, from one tile to the next.
+  uint groupsPerDispatch = 64;
+
+  explicit Parts(const DeviceInfo& info) : device(info) {
+    const uint bindings = device.limits().maxPerStageDescriptorStorageBuffers;
+    if (bindings < gpu::kBindCount)
+      throw RunError("the device " + info.name + " binds " + std::to_string(bindings) +
+                     " storage buffers; turner needs " + std::to_string(gpu::kBindCount));
+  }
+
+  uint threads() const { return device.isCpu() ? std::max(1u, std::thread::hardware_concurrency()) : 1; }
+  int tileSide(const Dispatching& dispatching, int depth) const;
+  uint workGroupSize(int wanted) const;
+
+  struct Passes;
+};
+
+// One traversal of all tiles with one pipeline.
+struct ShaderRenderer::Parts::Passes {
+  Parts& parts;
+  const Device& device;
+  uint workGroup, samplesInPixel;
+  Pipeline pipeline;
+  Buffer frame, state, pixels, status, hostPixels, hostStatus;
+  std::optional<vk::raii::DescriptorPool> pool;
+  std::optional<vk::raii::DescriptorSet> set;
+  std::vector<gpu::Tile> tiles;
+  double traceSeconds = 0;
+
+  Passes(Parts& parts, const Spirv& kernel, const RenderSettings& settings, const Dispatching& dispatching,
+         bool counters);
+  void warmUp();
+  void traceTile(gpu::Tile tile, const Progress& progress);
+
+ private:
+  void bind();
+  void record(const vk::raii::CommandBuffer& commands, const gpu::Tile& tile) const;
+  gpu::Status readStatus() const;
+};
+
+int ShaderRenderer::Parts::tileSide(const Dispatching& dispatching, int depth) const {
+  // A CPU wants its working set small; a GPU wants more invocations than it has lanes (17,000 on a large one).
+  int side = dispatching.tile > 0 ? (dispatching.tile + 7) / 8 * 8 : device.isCpu() ? 128 : 512;
+  const vk::DeviceSize most = std::min<vk::DeviceSize>(kStateBytes, device.limits().maxStorageBufferRange);
+  while (side > 8 &&
+         vk::DeviceSize(side) * vk::DeviceSize(side) * gpu::stateRows(uint(depth)) * sizeof(gpu::Row) > most)
+    side = std::max(8, side / 2 / 8 * 8);
+  return side;
+}
+
+uint ShaderRenderer::Parts::workGroupSize(int wanted) const {
+  const uint most =
+      std::min(device.limits().maxComputeWorkGroupInvocations, device.limits().maxComputeWorkGroupSize[0]);
+  if (wanted < 1 || uint(wanted) > most)
+    throw InputError("a work-group of " + std::to_string(wanted) + " invocations: the device " + device.info().name +
+                     " takes 1 to " + std::to_string(most));
+  // Part of a subgroup would leave lanes that are never active; lavapipe 22.3 lets those run its loops to the limiter.
+  const uint subgroup = device.subgroupSize();
+  return std::min(most, (uint(wanted) + subgroup - 1) / subgroup * subgroup);
+}
+
+ShaderRenderer::Parts::Passes::Passes(Parts& owner, const Spirv& kernel, const RenderSettings& settings,
+                                      const Dispatching& dispatching, bool counters)
+    : parts(owner),
+      device(owner.device),
+      workGroup(owner.workGroupSize(dispatching.workGroup)),
+      samplesInPixel(uint(settings.samples * settings.samples)),
+      pipeline(makePipeline(owner.device, kernel, owner.features, settings, dispatching, workGroup, counters)) {
+  const int side = parts.tileSide(dispatching, settings.depth);
+  tiles = cutIntoTiles(settings.crop, side);
+  uint slots = 0, area = 0;
+  for (const gpu::Tile& tile : tiles) {
+    slots = std::max(slots, tile.slots);
+    area = std::max(area, tile.width * tile.height);
+  }
+  const std::vector<gpu::Frame> frames = {packFrame(parts.view, settings, parts.threads())};
+  frame = device.upload(bytesOf(frames), "frame");
+  state =
+      device.storageBuffer(vk::DeviceSize(slots) * gpu::stateRows(uint(settings.depth)) * sizeof(gpu::Row), "state");
+  pixels = device.storageBuffer(vk::DeviceSize(area) * 3 * sizeof(float), "pixels");
+  status = device.storageBuffer(sizeof(gpu::Status), "status");
+  hostStatus = device.hostBuffer(sizeof(gpu::Status), "status on the host");
+  // Reads back the pixels of a tile, or the counts of its invocations.
+  hostPixels = device.hostBuffer(std::max<vk::DeviceSize>(pixels.size, counters ? slots * sizeof(gpu::Row) : 0),
+                                 "pixels on the host");
+  bind();
+}
+
+void ShaderRenderer::Parts::Passes::bind() {
+  const vk::DescriptorPoolSize size(vk::DescriptorType::eStorageBuffer, gpu::kBindCount);
+  pool.emplace(device.vulkan(),
+               vk::DescriptorPoolCreateInfo(vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet, 1, size));
+  vk::raii::DescriptorSets sets(device.vulkan(), vk::DescriptorSetAllocateInfo(**pool, *pipeline.setLayout));
+  set.emplace(std::move(sets[0]));
+  std::array<const Buffer*, gpu::kBindCount> buffers{};
+  buffers[gpu::kBindFrame] = &frame;
+  buffers[gpu::kBindNodes] = &parts.nodes;
+  buffers[gpu::kBindSpheres] = &parts.spheres;
+  buffers[gpu::kBindTriangles] = &parts.triangles;
+  buffers[gpu::kBindVertexNormals] = &parts.vertexNormals;
+  buffers[gpu::kBindMaterials] = &parts.materials;
+  buffers[gpu::kBindLights] = &parts.lights;
+  buffers[gpu::kBindState] = &state;
+  buffers[gpu::kBindPixels] = &pixels;
+  buffers[gpu::kBindStatus] = &status;
+  std::array<vk::DescriptorBufferInfo, gpu::kBindCount> infos;
+  std::array<vk::WriteDescriptorSet, gpu::kBindCount> writes;
+  for (uint i = 0; i < gpu::kBindCount; ++i) {
+    infos[i] = vk::DescriptorBufferInfo(**buffers[i]->buffer, 0, buffers[i]->size);
+    writes[i] = {**set, i, 0, 1, vk::DescriptorType::eStorageBuffer, nullptr, &infos[i]};
+  }
+  device.vulkan().updateDescriptorSets(writes, {});
+}
+
+// The work-groups of one dispatch, wrapped into rows where a device takes only so many side by side.
+void ShaderRenderer::Parts::Passes::record(const vk::raii::CommandBuffer& commands, const gpu::Tile& tile) const {
+  commands.bindPipeline(vk::PipelineBindPoint::eCompute, *pipeline.pipeline);
+  commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *pipeline.layout, 0, **set, {});
+  commands.pushConstants<gpu::Tile>(*pipeline.layout, vk::ShaderStageFlagBits::eCompute, 0, tile);
+  const uint across = std::min(tile.groups, device.limits().maxComputeWorkGroupCount[0]);
+  commands.dispatch(across, (tile.groups + across - 1) / across, 1);
+}
+
+gpu::Status ShaderRenderer::Parts::Passes::readStatus() const {
+  gpu::Status result;
+  std::memcpy(&result, hostStatus.mapped, sizeof result);
+  return result;
+}
+
+// Drivers compile at the first dispatch: give them one in which no pixel is inside the tile.
+void ShaderRenderer::Parts::Passes::warmUp() {
+  gpu::Tile nothing{};
+  nothing.width = 8;  // a row of blocks, of no height
+  nothing.slots = 1;
+  nothing.groups = 1;
+  device.run([&](const vk::raii::CommandBuffer& commands) {
+    commands.fillBuffer(**state.buffer, 0, VK_WHOLE_SIZE, 0);
+    commands.fillBuffer(**status.buffer, 0, VK_WHOLE_SIZE, 0);
+    fullBarrier(commands);
+    record(commands, nothing);
+  });
+}
+
+// Dispatches a tile again and again until all its pixels are finished.
+void ShaderRenderer::Parts::Passes::traceTile(gpu::Tile tile, const Progress& progress) {
+  const uint allGroups = (tile.slots + workGroup - 1) / workGroup;
+  const uint64_t allSamples = uint64_t(tile.width) * tile.height * samplesInPixel;
+  uint64_t samplesBefore = 0;  // finished in earlier passes
+  bool fresh = true;
+  gpu::Status last;
+  do {
+    for (tile.firstGroup = 0; tile.firstGroup < allGroups; tile.firstGroup += tile.groups) {
+      tile.groups = std::min(parts.groupsPerDispatch, allGroups - tile.firstGroup);
+      const double seconds = device.run([&](const vk::raii::CommandBuffer& commands) {
+        fullBarrier(commands);
+        // Cleared state is a pixel not yet begun; what lies behind these rows is written before it is read.
+        if (fresh)
+          commands.fillBuffer(**state.buffer, 0, vk::DeviceSize(tile.slots) * gpu::kStateNodeStack * sizeof(gpu::Row),
+                              0);
+        if (tile.firstGroup == 0) commands.fillBuffer(**status.buffer, 0, VK_WHOLE_SIZE, 0);
+        fullBarrier(commands);
+        record(commands, tile);
+        fullBarrier(commands);
+        copy(commands, status, 0, hostStatus, sizeof(gpu::Status));
+        fullBarrier(commands);
+      });
+      fresh = false;
+      traceSeconds += seconds;
+      if (seconds > kLongDispatch) parts.groupsPerDispatch = std::max(1u, parts.groupsPerDispatch / 2);
+      if (seconds < kShortDispatch && tile.groups == parts.groupsPerDispatch)
+        parts.groupsPerDispatch = std::min(parts.groupsPerDispatch * 2, 1u << 20);
+      last = readStatus();
+      if (last.limiter > 0)
+        throw RunError(
+            "the driver of " + device.info().name +
+            " ended the kernel's loops early (a loop limiter); the picture would be wrong and is not written");
+      progress(double(samplesBefore + last.samplesFinished) / double(allSamples));
+    }
+    samplesBefore += last.samplesFinished;
+  } while (last.unfinished > 0);
+}
+
+// --- the renderer ---------------------------------------------------------------------------------------------------
+
+ShaderRenderer::ShaderRenderer(const DeviceInfo& device) : parts_(std::make_unique<Parts>(device)) {}
+ShaderRenderer::~ShaderRenderer() = default;
+
+void ShaderRenderer::upload(const PackedScene& scene) {
+  parts_->features = scene.features;
+  parts_->view = scene.view;
+  const Device& device = parts_->device;
+  parts_->nodes = device.upload(bytesOf(scene.nodes), "nodes");
+  parts_->spheres = device.upload(bytesOf(scene.spheres), "spheres");
+  parts_->triangles = device.upload(bytesOf(scene.triangles), "triangles");
+  parts_->vertexNormals = device.upload(bytesOf(scene.vertexNormals), "vertex normals");
+  parts_->materials = device.upload(bytesOf(scene.materials), "materials");
+  parts_->lights = device.upload(bytesOf(scene.lights), "lights");
+}
+
+ShaderPicture ShaderRenderer::render(const Spirv& kernel, const RenderSettings& settings, const Progress& progress,
+                                     const Dispatching& dispatching) {
+  ShaderPicture picture;
+  picture.image = Image(settings.width, settings.height, settings.crop);
+
+  Clock::time_point start = Clock::now();
+  Parts::Passes passes(*parts_, kernel, settings, dispatching, false);
+  passes.warmUp();
+  picture.compileSeconds = secondsSince(start);
+
+  size_t done = 0;
+  for (const gpu::Tile& tile : passes.tiles) {
+    const size_t area = size_t(tile.width) * tile.height;
+    passes.traceTile(tile, tileProgress(progress, done, area, settings.crop.area()));
+    done += area;
+
+    start = Clock::now();
+    const vk::DeviceSize rowBytes = tile.width * 3 * sizeof(float);
+    passes.device.run([&](const vk::raii::CommandBuffer& commands) {
+      fullBarrier(commands);
+      copy(commands, passes.pixels, 0, passes.hostPixels, rowBytes * tile.height);
+      fullBarrier(commands);
+    });
+    for (uint y = 0; y < tile.height; ++y) {
+      const size_t target = (size_t(tile.y0) - size_t(settings.crop.y0) + y) * size_t(settings.crop.width()) +
+                            (size_t(tile.x0) - size_t(settings.crop.x0));
+      std::memcpy(&picture.image.rgb[3 * target], passes.hostPixels.mapped + y * rowBytes, rowBytes);
+    }
+    picture.readbackSeconds += secondsSince(start);
+  }
+  picture.traceSeconds = passes.traceSeconds;
+  return picture;
+}
+
+RayCounts ShaderRenderer::countRays(const Spirv& kernel, const RenderSettings& settings, const Progress& progress,
+                                    const Dispatching& dispatching) {
+  Parts::Passes passes(*parts_, kernel, settings, dispatching, true);
+  RayCounts counts;
+  size_t done = 0;
+  for (const gpu::Tile& tile : passes.tiles) {
+    const size_t area = size_t(tile.width) * tile.height;
+    passes.traceTile(tile, tileProgress(progress, done, area, settings.crop.area()));
+    done += area;
+
+    const vk::DeviceSize rowBytes = vk::DeviceSize(tile.slots) * sizeof(gpu::Row);
+    passes.device.run([&](const vk::raii::CommandBuffer& commands) {
+      fullBarrier(commands);
+      copy(commands, passes.state, gpu::kStateCounts * rowBytes, passes.hostPixels, rowBytes);
+      fullBarrier(commands);
+    });
+    std::vector<std::array<uint, 4>> rows(tile.slots);
+    std::memcpy(rows.data(), passes.hostPixels.mapped, rowBytes);
+    for (const auto& [eye, reflected, refracted, shadow] : rows) {
+      counts.eye += eye;
+      counts.reflected += reflected;
+      counts.refracted += refracted;
+      counts.shadow += shadow;
+    }
+  }
+  return counts;
+}
+
+}  // namespace turner

@@ -1,0 +1,53 @@
+// Renders a packed scene on a Vulkan device: uploads, dispatches tile by tile, reads back. Vulkan itself stays in
+// render.cpp and gpu.
+#pragma once
+
+#include <memory>
+
+#include "picture/settings.h"
+#include "shader/devices.h"
+#include "shader/glsl.h"
+#include "shader/pack.h"
+
+namespace turner {
+
+// How the work is cut. Never changes the picture.
+struct Dispatching {
+  int tile = 0;        // pixels on a tile's side, rounded up to a multiple of 8; 0: what suits the device
+  int workGroup = 64;  // invocations in a work-group, rounded up to whole subgroups of the device
+  // The kernel's bounds on one dispatch of an invocation, see layout.h. Tests set others.
+  uint32_t segments = gpu::kSegments;
+  uint32_t steps = gpu::kSteps;
+};
+
+struct ShaderPicture {
+  Image image;
+  double compileSeconds = 0;   // pipeline and one warm-up dispatch: drivers compile there
+  double traceSeconds = 0;     // of the dispatches, by the device's clock
+  double readbackSeconds = 0;  // from the device into the image
+};
+
+class ShaderRenderer {
+ public:
+  // Opens the device. Throws RunError when it cannot be opened.
+  explicit ShaderRenderer(const DeviceInfo& device);
+  ~ShaderRenderer();
+
+  // Puts the scene into the device's memory. Throws InputError when it does not fit.
+  void upload(const PackedScene& scene);
+
+  // Renders the uploaded scene. Work is cut into dispatches well below a driver's watchdog; progress is called between
+  // them. Throws RunError if a driver's loop limiter has cut the work short.
+  ShaderPicture render(const Spirv& kernel, const RenderSettings& settings, const Progress& progress = {},
+                       const Dispatching& dispatching = {});
+
+  // Counts the rays of the same picture, by a kernel with counters compiled in.
+  RayCounts countRays(const Spirv& kernel, const RenderSettings& settings, const Progress& progress = {},
+                      const Dispatching& dispatching = {});
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace turner

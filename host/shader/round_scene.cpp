@@ -1,0 +1,82 @@
+// All that the kernel gets is rounded here, and nowhere else.
+#include "shader/round_scene.h"
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <string>
+
+#include "errors.h"
+
+namespace turner {
+namespace {
+
+double rounded(double x) {
+  return double(float(x));
+}
+glm::dvec3 rounded(const glm::dvec3& v) {
+  return {rounded(v.x), rounded(v.y), rounded(v.z)};
+}
+
+}  // namespace
+
+LocalFrame localFrame(const Camera& camera) {
+  const double distance = glm::length(camera.target - camera.eye);
+  // ilogb(d) is the k with 2^k <= d < 2^(k+1).
+  return {camera.eye, std::ldexp(1.0, -std::ilogb(distance))};
+}
+
+Scene roundScene(const Scene& scene) {
+  const LocalFrame frame = localFrame(scene.camera);
+  const auto toLocal = [&](const glm::dvec3& p) { return rounded((p - frame.origin) * frame.scale); };
+
+  Scene local = scene;
+  local.background = rounded(scene.background);
+  local.camera.eye = {0, 0, 0};
+  local.camera.target = (scene.camera.target - frame.origin) * frame.scale;
+  for (Light& light : local.lights) {
+    light.position = toLocal(light.position);
+    // E / d^2 keeps its value when both are scaled.
+    if (light.falloff == Falloff::inverseSquare) light.color *= frame.scale * frame.scale;
+    light.color = rounded(light.color);
+  }
+  for (Material& material : local.materials) {
+    material.diffuse = rounded(material.diffuse);
+    material.specular = rounded(material.specular);
+    for (double* value :
+         {&material.shininess, &material.reflect, &material.transmit, &material.ior, &material.localWeight})
+      *value = rounded(*value);
+  }
+  for (Sphere& sphere : local.spheres) {
+    sphere.center = toLocal(sphere.center);
+    sphere.radius = rounded(sphere.radius * frame.scale);
+  }
+  for (Triangle& triangle : local.triangles)
+    for (glm::dvec3& vertex : triangle.vertices) vertex = toLocal(vertex);
+  for (auto& normals : local.normals)
+    for (glm::dvec3& normal : normals) normal = rounded(glm::normalize(normal));
+  return local;
+}
+
+void checkReach(const Scene& local) {
+  // In the local frame the target is at a distance of 1 to 2. Written so that NaN fails too.
+  const auto within = [](const glm::dvec3& v, double most) {
+    return std::abs(v.x) <= most && std::abs(v.y) <= most && std::abs(v.z) <= most;
+  };
+  const auto refuse = [](const char* what, size_t index) {
+    throw InputError(
+        std::string(what) + '[' + std::to_string(index) +
+        "] is too far away or too large for a view whose target is so near to its eye: float32 cannot hold "
+        "both; move the camera's target farther from the eye, or use --backend reference");
+  };
+  constexpr double kGeometry = 1e10, kLight = 1e15;
+  for (size_t i = 0; i < local.spheres.size(); ++i)
+    if (!within(local.spheres[i].center, kGeometry) || !(std::abs(local.spheres[i].radius) <= kGeometry))
+      refuse("spheres", i);
+  for (size_t i = 0; i < local.triangles.size(); ++i)
+    for (const glm::dvec3& vertex : local.triangles[i].vertices)
+      if (!within(vertex, kGeometry)) refuse("triangles", i);
+  for (size_t i = 0; i < local.lights.size(); ++i)
+    if (!within(local.lights[i].position, kLight) || !within(local.lights[i].color, 1e30)) refuse("lights", i);
+}
+
+}  // namespace turner
