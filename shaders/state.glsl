@@ -1,15 +1,71 @@
 // What an invocation keeps between two dispatches, and its stack of rays that wait, which lives in the same buffer: a
 // push or a pop is rare beside a walk through the tree. Rows are listed in layout.h.
 
+// --- the work in hand ---
+uint phase;         // where the invocation stands: a constant of whitted.comp
+uint sampleIndex;   // the sample of the pixel that is being traced
+vec3 sum;           // of the radiance of all samples so far
+vec3 compensation;  // what sum has lost to rounding
+Ray ray;            // the eye or secondary ray in hand
+float weight;       // product of the r and t factors on its way
+uint level;         // of it in the ray tree; the eye ray has 1
+uvec2 pending;      // bit l - 1: a ray waits on level l
+float hitT;         // where it hits
+uint hitPrimitive;  // and what
+uint light;         // the light that the hit's shadow ray goes to
+Ray traced;         // the ray that walks through the tree: ray, or a shadow ray of its hit
+Walk walk;          // where it is
+Row counts;         // rays spawned: eye, reflected, refracted, shadow
+
 Row packRow(vec3 v, uint w) { return Row(floatBitsToUint(v), w); }
 
 // Index of a row of this invocation's state: neighbours lie side by side.
 uint stateRow(uint row, uint slot) { return row * tile.slots + slot; }
 
-// --- the ray stack: at most one ray waits on each level, so that its place tells its level ---
-bool anyPending(uvec2 pending) { return (pending.x | pending.y) != 0u; }
+void takeUpWork(uint slot) {
+  Row row = state[stateRow(kStateSum, slot)];
+  sum = xyz(row);
+  phase = row.w & 255u;
+  level = row.w >> 8u;
+  row = state[stateRow(kStateCompensation, slot)];
+  compensation = xyz(row);
+  sampleIndex = row.w;
+  row = state[stateRow(kStateRay, slot)];
+  Row direction = state[stateRow(kStateDirection, slot)];
+  ray = Ray(xyz(row), xyz(direction), row.w);
+  weight = uintBitsToFloat(direction.w);
+  row = state[stateRow(kStateTraced, slot)];
+  direction = state[stateRow(kStateTracedDirection, slot)];
+  traced = Ray(xyz(row), xyz(direction), row.w);
+  light = direction.w;
+  row = state[stateRow(kStateHit, slot)];
+  hitT = uintBitsToFloat(row.x);
+  hitPrimitive = row.y;
+  walk.next = row.z;
+  walk.top = row.w;
+  row = state[stateRow(kStatePending, slot)];
+  pending = row.xy;
+  walk.tMax = uintBitsToFloat(row.z);
+  walk.hit = row.w;
+  counts = COUNTERS ? state[stateRow(kStateCounts, slot)] : Row(0u);
+}
 
-uint deepestPending(uvec2 pending) { return pending.y != 0u ? 32u + uint(findMSB(pending.y)) : uint(findMSB(pending.x)); }
+void putWorkAway(uint slot) {
+  state[stateRow(kStateSum, slot)] = packRow(sum, phase | (level << 8u));
+  state[stateRow(kStateCompensation, slot)] = packRow(compensation, sampleIndex);
+  state[stateRow(kStateRay, slot)] = packRow(ray.origin, ray.leaving);
+  state[stateRow(kStateDirection, slot)] = packRow(ray.direction, floatBitsToUint(weight));
+  state[stateRow(kStateTraced, slot)] = packRow(traced.origin, traced.leaving);
+  state[stateRow(kStateTracedDirection, slot)] = packRow(traced.direction, light);
+  state[stateRow(kStateHit, slot)] = Row(floatBitsToUint(hitT), hitPrimitive, walk.next, walk.top);
+  state[stateRow(kStatePending, slot)] = Row(pending, floatBitsToUint(walk.tMax), walk.hit);
+  if (COUNTERS) state[stateRow(kStateCounts, slot)] = counts;
+}
+
+// --- the ray stack: at most one ray waits on each level, so that its place tells its level ---
+bool anyPending() { return (pending.x | pending.y) != 0u; }
+
+uint deepestPending() { return 1u + (pending.y != 0u ? 32u + uint(findMSB(pending.y)) : uint(findMSB(pending.x))); }
 
 // The bit of a level (1 to 64) in the mask of levels that have a ray waiting.
 uvec2 levelBit(uint level) {
@@ -17,13 +73,18 @@ uvec2 levelBit(uint level) {
   return bit < 32u ? uvec2(1u << bit, 0u) : uvec2(0u, 1u << (bit - 32u));
 }
 
-void pushRay(uint slot, uint level, Ray ray, float weight) {
-  uint row = kStateRayStack + 2u * (level - 2u);
-  state[stateRow(row, slot)] = packRow(ray.origin, ray.leaving);
-  state[stateRow(row + 1u, slot)] = packRow(ray.direction, floatBitsToUint(weight));
+// A ray of the next level waits.
+void pushRay(uint slot, Ray waiting, float itsWeight) {
+  uint row = kStateRayStack + 2u * (level - 1u);
+  state[stateRow(row, slot)] = packRow(waiting.origin, waiting.leaving);
+  state[stateRow(row + 1u, slot)] = packRow(waiting.direction, floatBitsToUint(itsWeight));
+  pending |= levelBit(level + 1u);
 }
 
-void popRay(uint slot, uint level, out Ray ray, out float weight) {
+// The deepest ray that waits becomes the ray in hand.
+void popRay(uint slot) {
+  level = deepestPending();
+  pending &= ~levelBit(level);
   uint row = kStateRayStack + 2u * (level - 2u);
   Row origin = state[stateRow(row, slot)], direction = state[stateRow(row + 1u, slot)];
   ray = Ray(xyz(origin), xyz(direction), origin.w);

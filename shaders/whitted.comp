@@ -92,31 +92,8 @@ void main() {
   float minWeight = uintBitsToFloat(frame.downHi.w);
 
   // Take up the work where the last dispatch left it.
-  Row row = state[stateRow(kStateSum, slot)];
-  vec3 sum = xyz(row);
-  uint phase = mine ? row.w & 255u : kDone, level = row.w >> 8u;
-  row = state[stateRow(kStateCompensation, slot)];
-  vec3 compensation = xyz(row);
-  uint sampleIndex = row.w;
-  row = state[stateRow(kStateRay, slot)];
-  Ray ray = Ray(xyz(row), vec3(0), row.w);
-  row = state[stateRow(kStateDirection, slot)];
-  ray.direction = xyz(row);
-  float weight = uintBitsToFloat(row.w);
-  row = state[stateRow(kStateTraced, slot)];
-  Ray traced = Ray(xyz(row), vec3(0), row.w);
-  row = state[stateRow(kStateTracedDirection, slot)];
-  traced.direction = xyz(row);
-  uint light = row.w;
-  row = state[stateRow(kStateHit, slot)];
-  float hitT = uintBitsToFloat(row.x);
-  uint hitPrimitive = row.y;
-  Walk walk = Walk(row.z, row.w, 0.0, kRefNone);
-  row = state[stateRow(kStatePending, slot)];
-  uvec2 pending = row.xy;
-  walk.tMax = uintBitsToFloat(row.z);
-  walk.hit = row.w;
-  Row counts = COUNTERS ? state[stateRow(kStateCounts, slot)] : Row(0u);
+  takeUpWork(slot);
+  if (!mine) phase = kDone;
   bool finishedBefore = phase == kDone;
   if (finishedBefore) walk = Walk(kRefNone, 0u, 0.0, kRefNone);
   loadNodeStack(slot, walk.top);
@@ -196,10 +173,7 @@ void main() {
 
         Ray through = leaveSurface(surface, hitPrimitive, T, false);
         if (reflects) {
-          if (transmits) {  // it waits
-            pushRay(slot, level + 1u, through, transmittedWeight);
-            pending |= levelBit(level + 1u);
-          }
+          if (transmits) pushRay(slot, through, transmittedWeight);
           ray = leaveSurface(surface, hitPrimitive, reflection(surface, ray.direction), true);
           weight = reflectedWeight;
         } else if (transmits) {
@@ -217,11 +191,8 @@ void main() {
 
     // Go on with the deepest ray that waits; without one the sample is complete.
     if (phase == kNextRay) {
-      if (anyPending(pending)) {
-        uint bit = deepestPending(pending);
-        level = bit + 1u;
-        pending &= ~levelBit(level);
-        popRay(slot, level, ray, weight);
+      if (anyPending()) {
+        popRay(slot);
         traced = ray;
         walk = beginWalk(kNoHit);
         phase = kTrace;
@@ -234,8 +205,7 @@ void main() {
   }
 
   if (!finishedBefore) {
-    state[stateRow(kStateSum, slot)] = packRow(sum, phase | (level << 8u));
-    if (COUNTERS) state[stateRow(kStateCounts, slot)] = counts;
+    putWorkAway(slot);
     if (phase == kDone) {
       vec3 mean = sum / float(SAMPLES * SAMPLES);
       uint at = 3u * (inTile.y * tile.width + inTile.x);
@@ -243,13 +213,6 @@ void main() {
       pixels[at + 1u] = mean.y;
       pixels[at + 2u] = mean.z;
     } else {
-      state[stateRow(kStateCompensation, slot)] = packRow(compensation, sampleIndex);
-      state[stateRow(kStateRay, slot)] = packRow(ray.origin, ray.leaving);
-      state[stateRow(kStateDirection, slot)] = packRow(ray.direction, floatBitsToUint(weight));
-      state[stateRow(kStateTraced, slot)] = packRow(traced.origin, traced.leaving);
-      state[stateRow(kStateTracedDirection, slot)] = packRow(traced.direction, light);
-      state[stateRow(kStateHit, slot)] = Row(floatBitsToUint(hitT), hitPrimitive, walk.next, walk.top);
-      state[stateRow(kStatePending, slot)] = Row(pending, floatBitsToUint(walk.tMax), walk.hit);
       saveNodeStack(slot, walk.top);
       atomicAdd(status.unfinished, 1u);
     }
