@@ -790,6 +790,23 @@ class Compare(Command):
                 for bound in ("--max-rmse", "--max-error", "--max-bad-pixels"):
                     self.figures(*pair, bound, "1e30", code=FAILED)
 
+    def test_an_output_never_replaces_an_input(self):
+        scene = self.write("scene.json", SPHERE)
+        before = self.path(scene).read_bytes()
+        self.refuse("render", scene, "--backend", "reference", "--stats", scene, says=["scene.json", "is an input"])
+        os.symlink(scene, self.path("link.json"))
+        self.refuse("render", scene, "--backend", "reference", "--stats", "link.json", says="is an input")
+        self.assertEqual(self.path(scene).read_bytes(), before)
+        self.render_pair()
+        self.refuse("compare", "a.exr", "b.exr", "--error-image", "a.exr", says="is an input")
+
+    def test_a_broken_bound_is_named(self):
+        self.render_pair()
+        run = self.run_turner("compare", "a.exr", "b.exr", "--max-error", "0", "--max-rmse", "1e9")
+        self.assertEqual(run.code, FAILED, run)
+        self.assertIn("--max-error", run.err)
+        self.assertNotIn("--max-rmse", run.err)
+
     def test_the_error_image_is_the_absolute_difference(self):
         self.render_pair()
         self.do("compare", "a.exr", "b.exr", "--error-image", "error.exr")

@@ -220,6 +220,14 @@ TEST(Nff, ConesHaveExactRimsAndNormals) {
   }
 }
 
+TEST(Nff, ConesMayStandOnThreeLines) {
+  const Scene one = parse(kMaterial + "c 0 -1 0 1 0 1 0 0.5\n"), three = parse(kMaterial + "c\n0 -1 0 1\n0 1 0 0.5\n");
+  ASSERT_EQ(one.triangles.size(), three.triangles.size());
+  for (size_t i = 0; i < one.triangles.size(); ++i) EXPECT_EQ(one.triangles[i].vertices, three.triangles[i].vertices);
+  expectFault(kMaterial + "c\n0 -1 0 1\n", "2:1", "the file ends inside this cone");
+  expectFault(kMaterial + "c\n0 -1 0 1\ns 0 0 0 1\n", "4:1", "where an end of the cone should stand");
+}
+
 TEST(Nff, ConesCloseWithoutGaps) {
   const Scene scene = parse(kMaterial + "c 1 2 3 0.5 4 5 7 0.25\n");
   // Every edge but those of the two rims is shared by two triangles, to the last bit.

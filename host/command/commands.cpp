@@ -60,12 +60,36 @@ void checkOutput(const std::string& path, bool mayBePng) {
   checkWritable(path);
 }
 
+// The file that a name stands for, symbolic links followed.
+std::filesystem::path realFile(const std::string& path) {
+  std::error_code error;
+  const std::filesystem::path real = std::filesystem::weakly_canonical(path, error);
+  if (error) throw InputError("cannot find out where '" + path + "' is: " + error.message());
+  return real;
+}
+
 // Two outputs of one name would leave only the last.
-void refuseRepeated(std::vector<std::string> files) {
-  for (std::string& file : files) file = std::filesystem::absolute(file).lexically_normal().string();
-  std::sort(files.begin(), files.end());
-  const auto twice = std::adjacent_find(files.begin(), files.end());
-  if (twice != files.end()) throw InputError("the output " + *twice + " is named twice");
+void refuseRepeated(const std::vector<std::string>& outputs) {
+  for (size_t i = 0; i < outputs.size(); ++i)
+    for (size_t j = 0; j < i; ++j)
+      if (realFile(outputs[i]) == realFile(outputs[j]))
+        throw InputError("the output " + outputs[i] + " is named twice");
+}
+
+// An output in the place of an input would destroy it.
+void refuseOverwriting(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs) {
+  for (const std::string& output : outputs)
+    for (const std::string& input : inputs)
+      if (realFile(output) == realFile(input))
+        throw InputError("the output " + output + " is an input; name another file");
+}
+
+// The scene's file and its meshes, which stand beside it or below.
+std::vector<std::string> filesOf(const Scene& scene, const std::string& path) {
+  std::vector<std::string> files = {path};
+  for (size_t i = 1; i < scene.sources.size(); ++i)
+    files.push_back((std::filesystem::path(path).parent_path() / scene.sources[i].path).string());
+  return files;
 }
 
 void writePicture(const std::string& path, const Image& image, const Provenance& provenance) {
@@ -108,6 +132,7 @@ Rendered renderWithShader(const Scene& scene, const RenderSettings& settings, co
   Rendered result;
   Stats& stats = result.stats;
   stats.backend = "shader";
+  stats.geometry = "rounded";  // the kernel has no other
   stats.device = chooseAndTell(options);
   ShaderRenderer renderer(stats.device);
 
@@ -153,6 +178,7 @@ Rendered renderWithReference(const Scene& scene, const RenderSettings& settings,
   Rendered result;
   Stats& stats = result.stats;
   stats.backend = "reference";
+  stats.geometry = options.geometry == Geometry::rounded ? "rounded" : "exact";
   stats.device.name = "reference";
   stats.device.driver = "double precision";
   stats.device.type = "CPU";
@@ -180,6 +206,7 @@ void tellFigures(const Comparison& c, double threshold) {
 
 int runRender(const RenderOptions& options) {
   Stopwatch total, watch;
+  if (options.scene.empty()) throw InputError("the name of the scene is empty");
   std::vector<std::string> outputs = options.outputs;
   if (outputs.empty()) outputs = {std::filesystem::path(options.scene).stem().string() + ".exr"};
   for (const std::string& output : outputs) checkOutput(output, true);
@@ -191,6 +218,7 @@ int runRender(const RenderOptions& options) {
   refuseRepeated(files);
 
   const Scene scene = loadAndTell(options);
+  refuseOverwriting(files, filesOf(scene, findScene(options.scene)));
   const RenderSettings settings = settingsFor(scene, options);
   const double loadSeconds = watch.lap();
   throwIfInterrupted();
@@ -200,7 +228,9 @@ int runRender(const RenderOptions& options) {
                           : renderWithReference(scene, settings, options);
   throwIfInvalid();
   Stats& stats = rendered.stats;
-  const Provenance provenance = makeProvenance(scene, settings, stats.backend, stats.device.name, stats.device.driver);
+  const Provenance provenance =
+      makeProvenance(scene, settings, "--backend " + stats.backend + " --geometry " + stats.geometry, stats.device.name,
+                     stats.device.driver);
   throwIfInterrupted();
   for (const std::string& output : outputs) {
     writePicture(output, rendered.image, provenance);
@@ -228,9 +258,12 @@ int runCompare(const CompareOptions& compare, const RenderOptions& render) {
   if (!compare.errorImage.empty()) checkOutput(compare.errorImage, false);
   Image a, b;
   if (compare.files.size() == 2) {
+    if (!compare.errorImage.empty()) refuseOverwriting({compare.errorImage}, compare.files);
     a = readExr(compare.files[0]);
     b = readExr(compare.files[1]);
   } else {
+    if (lowerExtension(compare.files[0]) == ".exr")
+      throw InputError("name a second picture to compare " + compare.files[0] + " with");
     RenderOptions options = render;
     options.quiet |= compare.json;  // stdout belongs to the figures
     const Scene scene = loadAndTell(options);
@@ -243,10 +276,12 @@ int runCompare(const CompareOptions& compare, const RenderOptions& render) {
   const Comparison comparison = compareImages(a, b, compare.threshold);
   if (compare.json)
     fmt::print("{}", comparisonJson(comparison));
-  else
+  else if (!render.quiet)
     tellFigures(comparison, compare.threshold);
   if (!compare.errorImage.empty()) writeWholeFile(compare.errorImage, encodeExr(errorImage(a, b), {}));
-  return within(comparison, compare.bounds) ? 0 : 1;
+  const std::vector<std::string> broken = brokenBounds(comparison, compare.bounds);
+  for (const std::string& bound : broken) fmt::print(stderr, "turner: error: {}\n", bound);
+  return broken.empty() ? 0 : 1;
 }
 
 int runDevices(bool asJson) {

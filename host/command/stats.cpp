@@ -77,6 +77,7 @@ std::string statsJson(const Stats& stats) {
       json.put("seed", settings.seed);
       json.put("min_weight", settings.minWeight);
       json.put("backend", stats.backend);
+      json.put("geometry", stats.geometry);
       json.put("crop", std::to_string(settings.crop.x0) + ',' + std::to_string(settings.crop.y0) + ',' +
                            std::to_string(settings.crop.x1) + ',' + std::to_string(settings.crop.y1));
     });

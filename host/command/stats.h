@@ -19,7 +19,7 @@ struct Stats {
   std::string scene;
   DeviceInfo device;
   RenderSettings settings;
-  std::string backend;
+  std::string backend, geometry;
   size_t spheres = 0, triangles = 0;
   RayCounts rays;
   Seconds seconds;

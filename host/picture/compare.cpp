@@ -2,6 +2,8 @@
 // hundreds of millions of values are still exact to more digits than are printed.
 #include "picture/compare.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -105,12 +107,19 @@ Image errorImage(const Image& a, const Image& b) {
   return error;
 }
 
-bool within(const Comparison& comparison, const Bounds& bounds) {
-  const bool finite = comparison.nan == 0 && comparison.inf == 0;
-  // Written so that a bound that is NaN does not hold.
-  const auto holds = [finite](double value, double bound) { return bound < 0 || (finite && value <= bound); };
-  return holds(comparison.rmse, bounds.rmse) && holds(comparison.max, bounds.max) &&
-         holds(comparison.badPixels, bounds.badPixels);
+std::vector<std::string> brokenBounds(const Comparison& comparison, const Bounds& bounds) {
+  std::vector<std::string> broken;
+  const auto check = [&](const char* name, double value, double bound) {
+    if (bound < 0) return;
+    if (comparison.nan > 0 || comparison.inf > 0)
+      broken.push_back(fmt::format("{}: there are pixels with NaN or infinity", name));
+    else if (!(value <= bound))  // a bound that is NaN does not hold
+      broken.push_back(fmt::format("{}: {:g} is more than {:g}", name, value, bound));
+  };
+  check("--max-rmse", comparison.rmse, bounds.rmse);
+  check("--max-error", comparison.max, bounds.max);
+  check("--max-bad-pixels", comparison.badPixels, bounds.badPixels);
+  return broken;
 }
 
 }  // namespace turner

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
+#include <vector>
 
 #include "picture/image.h"
 
@@ -32,7 +34,7 @@ struct Bounds {
   double rmse = -1, max = -1, badPixels = -1;
 };
 
-// Whether every bound that is set holds. A NaN or an infinity breaks every bound.
-bool within(const Comparison& comparison, const Bounds& bounds);
+// A sentence for every bound that is set and does not hold; none: all hold. A NaN or an infinity breaks every bound.
+std::vector<std::string> brokenBounds(const Comparison& comparison, const Bounds& bounds);
 
 }  // namespace turner

@@ -38,14 +38,14 @@ glm::dmat4 cameraToNdc(const Camera& camera, int width, int height) {
 
 }  // namespace
 
-std::string optionsText(const RenderSettings& settings, const std::string& backend) {
-  return fmt::format(
-      "--width {} --height {} --samples {} --depth {} --sampler {} --seed {} --min-weight {} --backend {}",
-      settings.width, settings.height, settings.samples, settings.depth,
-      settings.sampler == Sampler::grid ? "grid" : "jitter", settings.seed, settings.minWeight, backend);
+std::string optionsText(const RenderSettings& settings, const std::string& renderer) {
+  return fmt::format("--width {} --height {} --samples {} --depth {} --sampler {} --seed {} --min-weight {} {}",
+                     settings.width, settings.height, settings.samples, settings.depth,
+                     settings.sampler == Sampler::grid ? "grid" : "jitter", settings.seed, settings.minWeight,
+                     renderer);
 }
 
-Provenance makeProvenance(const Scene& scene, const RenderSettings& settings, const std::string& backend,
+Provenance makeProvenance(const Scene& scene, const RenderSettings& settings, const std::string& renderer,
                           const std::string& device, const std::string& driver) {
   Provenance provenance;
   const auto add = [&](const std::string& key, const std::string& value) {
@@ -56,7 +56,7 @@ Provenance makeProvenance(const Scene& scene, const RenderSettings& settings, co
   for (size_t i = 0; i < scene.sources.size(); ++i)
     add(i == 0 ? "sceneSha256" : fmt::format("mesh{}Sha256", i),
         i == 0 ? scene.sources[i].sha256 : scene.sources[i].sha256 + "  " + scene.sources[i].path);
-  add("options", optionsText(settings, backend));
+  add("options", optionsText(settings, renderer));
   add("device", device);
   add("driver", driver);
   provenance.worldToCamera = worldToCamera(scene.camera);

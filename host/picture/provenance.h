@@ -9,12 +9,13 @@
 
 namespace turner {
 
-// The options that the picture depends on, as one would type them.
-std::string optionsText(const RenderSettings& settings, const std::string& backend);
+// The options that the picture depends on, as one would type them; the crop is the data window. `renderer` are the
+// options that say who renders.
+std::string optionsText(const RenderSettings& settings, const std::string& renderer);
 
 // `device` and `driver` name what rendered it. No dates or timings: the file depends on scene, options and device
 // alone.
-Provenance makeProvenance(const Scene& scene, const RenderSettings& settings, const std::string& backend,
+Provenance makeProvenance(const Scene& scene, const RenderSettings& settings, const std::string& renderer,
                           const std::string& device, const std::string& driver);
 
 }  // namespace turner

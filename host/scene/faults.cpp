@@ -61,6 +61,8 @@ size_t editDistance(std::string_view a, std::string_view b) {
 
 std::string nearestName(std::string_view misspelt, std::span<const std::string> known) {
   if (misspelt.size() > 64) return {};
+  // Enough to be helpful: a file of wrong names must not take time that grows with the square of its size.
+  known = known.first(std::min<size_t>(known.size(), 256));
   std::string best;
   // A third of the letters may be wrong, but at least two: "fov" for "vof", "colour" for "color".
   size_t bestDistance = std::max<size_t>(2, misspelt.size() / 3) + 1;

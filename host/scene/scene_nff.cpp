@@ -349,8 +349,28 @@ class NffParser {
                                                                               : " polygons without area were dropped"));
   }
 
+  // Its two ends stand on the line of the `c`, or on the two lines below.
+  Numbers readCone(const Token& word) {
+    Numbers numbers = readNumbers({0, 8}, "c x y z radius x y z radius");
+    if (numbers.count == 8) return numbers;
+    while (numbers.count < 8) {
+      if (!lines_.nextLine()) fail(word.offset, "the file ends inside this cone");
+      const Token first = lines_.peek();
+      if (isEntity(first.text)) {
+        atLineStart_ = true;
+        fail(first.offset, "found " + quoted(first.text) + " where an end of the cone should stand");
+      }
+      const Numbers end = readNumbers({4}, "x y z radius");
+      for (size_t i = 0; i < 4; ++i) {
+        numbers.offsets[numbers.count] = end.offsets[i];
+        numbers.values[numbers.count++] = end[i];
+      }
+    }
+    return numbers;
+  }
+
   void parseCone(const Token& word) {
-    const Numbers numbers = readNumbers({8}, "c x y z radius x y z radius");
+    const Numbers numbers = readCone(word);
     const glm::dvec3 base = numbers.vector(0), apex = numbers.vector(4);
     const double baseRadius = numbers[3], apexRadius = numbers[7];
     if (baseRadius == 0 && apexRadius == 0) fail(numbers.offsets[3], "both radii are 0; allowed is one of them");
