@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
+
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
@@ -21,6 +21,7 @@
 #include "picture/provenance.h"
 #include "reference/reference.h"
 #include "scene/scene_load.h"
+#include "scene/text_file.h"
 #include "shader/bvh.h"
 #include "shader/glsl.h"
 #include "shader/pack.h"
@@ -45,12 +46,6 @@ class Stopwatch {
  private:
   Clock::time_point last_ = Clock::now();
 };
-
-std::string lowerExtension(const std::string& path) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  for (char& c : extension) c = char(std::tolower((unsigned char)c));
-  return extension;
-}
 
 // Looks at every output before any work is done for it.
 void checkOutput(const std::string& path, bool mayBePng) {

@@ -330,9 +330,7 @@ void SceneReader::readMesh(size_t at, const Field& field) {
 }
 
 const Mesh* SceneReader::loadMesh(size_t at, const Field& field, const std::string& file) {
-  std::string extension = std::filesystem::path(file).extension().string();
-  for (char& c : extension) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  if (extension != ".obj" || file.find('\0') != std::string::npos) {
+  if (lowerExtension(file) != ".obj" || file.find('\0') != std::string::npos) {
     fields_.addFault(at, field, "the path of an .obj file");
     return nullptr;
   }

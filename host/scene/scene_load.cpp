@@ -20,8 +20,7 @@ namespace turner {
 namespace {
 
 ParsedScene parseByExtension(const std::string& path) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  for (char& c : extension) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  const std::string extension = lowerExtension(path);
   if (extension != ".json" && extension != ".nff") {
     throw InputError(path +
                      ": error: " + (extension.empty() ? "no extension" : "unknown extension \"" + extension + '"') +

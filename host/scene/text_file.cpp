@@ -26,6 +26,12 @@ std::string readTextFile(const std::string& path) {
   return text;
 }
 
+std::string lowerExtension(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  for (char& c : extension) c = c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c;
+  return extension;
+}
+
 std::string sha256Hex(std::string_view bytes) {
   char hex[SHA256_DIGEST_STRING_LENGTH];
   SHA256Data(reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size(), hex);

@@ -9,6 +9,9 @@ namespace turner {
 // All bytes of a file. Throws InputError naming the path and the system's reason.
 std::string readTextFile(const std::string& path);
 
+// ".json" of "a/Scene.JSON": what tells a file's kind, in lower case; empty where there is none.
+std::string lowerExtension(const std::string& path);
+
 // SHA-256 in hex, as sha256sum prints it.
 std::string sha256Hex(std::string_view bytes);
 
