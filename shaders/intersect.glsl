@@ -1,4 +1,4 @@
-// A ray against one box, sphere or triangle. In: the ray and the primitive's rows. Out: the distance, in units of the
+// A ray against one sphere or triangle. In: the ray and the primitive's rows. Out: the distance, in units of the
 // ray's direction. Ng, t and the other symbols are those of docs/light_transport.md.
 
 const float kNoHit = 1e38;  // farther than everything, and still finite when an interval is widened
@@ -11,9 +11,12 @@ struct Ray {
 
 // What a ray's direction gives to all its tests.
 struct RayFactors {
-  vec3 inverse;  // 1 / direction, for boxes
-  int axis;      // of the largest component of the direction, for triangles
-  vec3 shear;    // Woop's S_x, S_y, S_z
+  vec3 inverse;     // 1 / direction, for boxes
+  uvec3 nearShift;  // where a node's planes that the ray meets first lie: 0 the lower ones, 8 the upper ones
+  int axis;         // of the largest component of the direction, for triangles
+  vec3 shear;       // Woop's S_x, S_y, S_z
+  float norm;            // |direction|, for spheres
+  float inverseSquared;  // 1 / |direction|^2
 };
 
 // The three components with axis z last, in cyclic order.
@@ -26,39 +29,34 @@ RayFactors rayFactors(vec3 direction) {
   vec3 magnitude = abs(direction);
   vec3 safe = mix(max(magnitude, 1e-18), -max(magnitude, 1e-18), lessThan(direction, vec3(0)));
   factors.inverse = 1.0 / safe;
+  factors.nearShift = mix(uvec3(0u), uvec3(8u), lessThan(direction, vec3(0)));
   factors.axis = magnitude.x > magnitude.y ? (magnitude.x > magnitude.z ? 0 : 2) : (magnitude.y > magnitude.z ? 1 : 2);
   vec3 d = turn(direction, factors.axis);
   factors.shear = vec3(d.x / d.z, d.y / d.z, 1.0 / d.z);
+  float squared = dot(direction, direction);
+  factors.norm = sqrt(squared);
+  factors.inverseSquared = 1.0 / squared;
   return factors;
-}
-
-// Where a ray enters a box, or kNoHit if it does not before tMax. The interval is widened by 2^-20: Vulkan allows a
-// division 2.5 ulp of error, for which the usual 3 ulp do not suffice.
-float enterBox(vec3 origin, vec3 inverse, float tMax, vec3 lo, vec3 hi) {
-  vec3 t0 = (lo - origin) * inverse, t1 = (hi - origin) * inverse;
-  vec3 tNear = min(t0, t1), tFar = max(t0, t1);
-  float near = max(max(tNear.x, tNear.y), max(tNear.z, 0.0)) * (1.0 - 1.0 / 1048576.0);
-  float far = min(min(tFar.x, tFar.y), min(tFar.z, tMax)) * (1.0 + 1.0 / 1048576.0);
-  return near <= far ? near : kNoHit;
 }
 
 // Distance to a sphere, or kNoHit. The discriminant comes from the distance of the centre to the ray, and the smaller
 // root from the product of the roots (Haines, Guenther, Akenine-Moeller, Ray Tracing Gems ch. 7).
-float hitSphere(Ray ray, vec3 center, float radius, bool leavesIt) {
+float hitSphere(Ray ray, RayFactors factors, vec3 center, float radius, bool leavesIt) {
   vec3 f = ray.origin - center;
-  float a = dot(ray.direction, ray.direction);
-  float b = -dot(f, ray.direction);
-  // A ray that starts on the sphere: one root is exactly 0, the other 2b/a. Outward it never returns, however grazing.
-  if (leavesIt) return (ray.leaving & kLeavesInward) != 0u ? max(2.0 * b / a, 0.0) : kNoHit;
-  vec3 perpendicular = f + (b / a) * ray.direction;
+  float b = -dot(f, ray.direction), middle = b * factors.inverseSquared;
+  vec3 perpendicular = f + middle * ray.direction;
   float discriminant = radius * radius - dot(perpendicular, perpendicular);
-  if (discriminant < 0.0) return kNoHit;
   float c = dot(f, f) - radius * radius;
-  float root = sqrt(a) * sqrt(discriminant);  // a shadow ray is as long as its light is far: no product of squares
+  // A shadow ray is as long as its light is far: no product of squares.
+  float root = factors.norm * sqrt(greater(discriminant, 0.0));
   float q = b >= 0.0 ? b + root : b - root;
-  float t0 = c / q, t1 = q / a;  // one of them may be NaN if q is 0: a comparison with it is false
-  float near = min(t0, t1), far = max(t0, t1);
-  return near > 0.0 ? near : far > 0.0 ? far : kNoHit;
+  // Where q is 0, so is c, and the ray touches the sphere where it starts.
+  float t0 = q == 0.0 ? 0.0 : c / q, t1 = q * factors.inverseSquared;
+  float near = lesser(t0, t1), far = greater(t0, t1);
+  float t = discriminant < 0.0 ? kNoHit : near > 0.0 ? near : far > 0.0 ? far : kNoHit;
+  // A ray that starts on the sphere: one root is exactly 0, the other 2b/a. Outward it never returns, however grazing.
+  float second = (ray.leaving & kLeavesInward) != 0u ? greater(2.0 * middle, 0.0) : kNoHit;
+  return leavesIt ? second : t;
 }
 
 // The signed areas of a triangle's edges as the ray sees them (Woop, Benthin, Wald, JCGT 2(1), 2013). Watertight without
@@ -82,9 +80,9 @@ Edges triangleEdges(Ray ray, RayFactors factors, vec3 v0, vec3 v1, vec3 v2) {
   precise float v = as.x * cs.y - as.y * cs.x;
   precise float w = bs.x * as.y - bs.y * as.x;
   precise float det = u + v + w;
-  bool outside = min(min(u, v), w) < 0.0 && max(max(u, v), w) > 0.0;
+  bool outside = lesser(lesser(u, v), w) < 0.0 && greater(greater(u, v), w) > 0.0;
   vec3 t = vec3(a.z, b.z, c.z) * factors.shear.z;
-  return Edges(!outside && det != 0.0, vec3(u, v, w), det, min(min(t.x, t.y), t.z), max(max(t.x, t.y), t.z));
+  return Edges(!outside && det != 0.0, vec3(u, v, w), det, lesser(lesser(t.x, t.y), t.z), greater(greater(t.x, t.y), t.z));
 }
 
 // Distance to a triangle's plane, which is better than the one that the edges give: on thin triangles by far, and beside
@@ -93,5 +91,5 @@ float planeDistance(Ray ray, Edges edges, vec3 normal, float offset) {
   precise float slope = dot(normal, ray.direction);
   precise float t = (offset - dot(normal, ray.origin)) / slope;
   if (slope == 0.0) t = edges.tNear;
-  return clamp(t, edges.tNear, edges.tFar);
+  return lesser(greater(t, edges.tNear), edges.tFar);
 }

@@ -23,17 +23,20 @@ struct Row {
 #endif
 
 // --- references -----------------------------------------------------------------------------------------------------
-// A child of a node: another node (its index), or a leaf: some primitives of one kind that lie side by side.
-//   bit 31: leaf | bit 30: triangles, else spheres | bits 29..27: how many, less 1 | bits 26..0: index of the first
+// What a walk visits: a node (its index), or a leaf: some primitives of one kind that lie side by side.
+//   bit 31: leaf | bit 30: triangles, else spheres | bits 29..28: how many, less 1 | bits 27..0: place of the first
+// Places count units of kUnitRows rows: a sphere takes one, a triangle two.
 TURNER_CONST kRefLeaf = 0x80000000u;
 TURNER_CONST kRefTriangle = 0x40000000u;
-TURNER_CONST kRefCountShift = 27u;
-TURNER_CONST kRefCountMask = 7u;
-TURNER_CONST kRefIndexMask = 0x07ffffffu;
-TURNER_CONST kRefNone = 0xffffffffu;
-TURNER_CONST kMaxLeafSize = 8u;
-TURNER_CONST kMaxPrimitivesOfAKind = 0x07fffff0u;  // so that no leaf reads as kRefNone
-// One primitive uses bits 30 and 26..0 likewise. Where it is the one that a ray starts on, bit 29 says that the ray
+TURNER_CONST kRefCountShift = 28u;
+TURNER_CONST kRefCountMask = 3u;
+TURNER_CONST kRefPlaceMask = 0x0fffffffu;
+TURNER_CONST kRefNone = 0xffffffffu;  // nothing is left to visit
+TURNER_CONST kRefNext = 0xfffffffeu;  // whatever the walk's list holds next
+TURNER_CONST kMaxLeafSize = 4u;
+TURNER_CONST kUnitRows = 2u;
+TURNER_CONST kMaxUnits = 0x0ffffff0u;  // so that no leaf reads as kRefNone or kRefNext
+// One primitive uses bits 30 and 27..0 likewise. Where it is the one that a ray starts on, bit 29 says that the ray
 // goes to the side of a sphere's centre.
 TURNER_CONST kLeavesInward = 0x20000000u;
 
@@ -41,11 +44,9 @@ TURNER_CONST kLeavesInward = 0x20000000u;
 TURNER_CONST kMaxTreeDepth = 48u;
 
 // --- bounded work (docs/kernel.md) ----------------------------------------------------------------------------------
-// lavapipe ends all loops of an invocation after 65,535 iterations, silently. One dispatch of an invocation makes at
-// most kSegments * (kSteps + kLightTries + 1) iterations of its loops, and copies its node stack in and out.
-TURNER_CONST kSegments = 32u;     // pieces of rays (eye, secondary or shadow) traced in one dispatch
-TURNER_CONST kSteps = 1800u;      // nodes or primitives visited in one piece
-TURNER_CONST kLightTries = 8u;    // lights looked at in search of one that faces the surface
+// lavapipe ends all loops of an invocation after 65,535 iterations, silently, counting those that any lane of its SIMD
+// unit makes. All lanes of a unit together make at most kIterations in one dispatch; each has its share.
+TURNER_CONST kIterations = 56000u;
 TURNER_CONST kCanaryLength = 4u;  // iterations of the loop that tells whether the limiter fired
 
 // --- specialisation constants ---------------------------------------------------------------------------------------
@@ -60,23 +61,27 @@ TURNER_CONST kSpecSmoothNormals = 6u;
 TURNER_CONST kSpecHighlights = 7u;
 TURNER_CONST kSpecReflection = 8u;
 TURNER_CONST kSpecRefraction = 9u;
-TURNER_CONST kSpecFalloff = 10u;   // a light with inverse-square fall-off
-TURNER_CONST kSpecJitter = 11u;    // hashed positions instead of cell centres
-TURNER_CONST kSpecCounters = 12u;  // count the rays
-TURNER_CONST kSpecSegments = 13u;  // kSegments and kSteps; tests set others
-TURNER_CONST kSpecSteps = 14u;
+TURNER_CONST kSpecFalloff = 10u;      // a light with inverse-square fall-off
+TURNER_CONST kSpecJitter = 11u;       // hashed positions instead of cell centres
+TURNER_CONST kSpecCounters = 12u;     // count rays, nodes and primitives
+TURNER_CONST kSpecNearestNodes = 13u; // walks for the nearest hit meet nodes, not only primitives
+TURNER_CONST kSpecShadowNodes = 14u;  // shadow rays do
+TURNER_CONST kSpecBudget = 15u;       // iterations of an invocation's loops in one dispatch; not a boolean
+TURNER_CONST kSpecFresh = 16u;        // the first pass over a tile: there is no work to take up; a boolean
+TURNER_CONST kSpecCount = 17u;
 
 // --- bindings -------------------------------------------------------------------------------------------------------
 TURNER_CONST kBindFrame = 0u;
-TURNER_CONST kBindNodes = 1u;
-TURNER_CONST kBindSpheres = 2u;
-TURNER_CONST kBindTriangles = 3u;
-TURNER_CONST kBindVertexNormals = 4u;
-TURNER_CONST kBindMaterials = 5u;
-TURNER_CONST kBindLights = 6u;
-TURNER_CONST kBindState = 7u;
-TURNER_CONST kBindPixels = 8u;
-TURNER_CONST kBindStatus = 9u;
+TURNER_CONST kBindState = 1u;
+TURNER_CONST kBindPixels = 2u;
+TURNER_CONST kBindStatus = 3u;
+// The scene, in rows that are read only: fetch.glsl says how.
+TURNER_CONST kBindNodes = 4u;
+TURNER_CONST kBindPrimitives = 5u;
+TURNER_CONST kBindVertexNormals = 6u;
+TURNER_CONST kBindMaterials = 7u;
+TURNER_CONST kBindLights = 8u;
+TURNER_CONST kBindCubes = 9u;
 TURNER_CONST kBindCount = 10u;
 
 // --- structures -----------------------------------------------------------------------------------------------------
@@ -91,6 +96,7 @@ struct Frame {
   Row downHi;      // w: least weight of a ray (float)
   Row downLo;      // w: threads of a CPU device, which get contiguous shares of a dispatch; 1 elsewhere
   Row background;  // w: kCanaryLength
+  Row addresses[6];  // x, y: of the row arrays from kBindNodes on, where the kernel fetches by address
 };
 
 // A tile of the picture, and the part of it that one dispatch works on; push constants. They decide no branch by
@@ -104,14 +110,19 @@ struct Tile {
   uint unused;
 };
 
-// Two children with their boxes, padded outward by the builder (Aila and Laine 2009 keep both boxes in the parent).
+// A node of the tree: two children with their boxes (Aila and Laine 2009 keep both in the parent), each plane in a byte:
+// plane = origin + byte * 2^(exponent - 127), rounded outward (Mahovsky and Wyvill 2006 encode boxes relative to their
+// parent's). A node's inner child stands next to it; of two inner children the first.
+//   exponents: those of x, y, z in bytes 0 to 2; byte 3: bit 0 and 1: child 0, child 1 is a leaf (never child 1 alone);
+//   of a second leaf: bits 3..2: how many primitives, less 1, bit 4: triangles, bits 7..5: its place less that of the
+//   first, less 1
 struct Node {
-  Row lo0;  // w: reference of child 0
-  Row hi0;  // w: reference of child 1
-  Row lo1;  // w: unused
-  Row hi1;  // w: unused
+  Row origin;  // w: exponents
+  Row planes;  // x, y, z: lo 0, hi 0, lo 1, hi 1 (bytes of an integer); w: the reference that is neither next to it nor
+               // behind the first leaf
 };
 
+// Primitives stand in the order of the leaves.
 struct Sphere {
   Row center;  // w: radius (float); negative: the surface faces inward
   Row tags;    // x: id, y: material (integers in a row's float places, by their bits)
@@ -139,44 +150,65 @@ struct Light {
   Row color;     // E; w: unused
 };
 
+// One face of the cube of directions around a point that many rays share: the eye, or a light. Coordinates on the face
+// are u = a / c, v = b / c, where c is the coordinate along the face's axis and a, b the next two in cyclic order. Faces:
+// +x, -x, +y, -y, +z, -z; cubes: the eye's, then each light's. Behind the faces stand coarse cells, fine cells and the
+// lists, all in one array of rows (host/shader/direction_cube).
+struct CubeFace {
+  Row window;  // u and v of its corner; z: coarse cells per unit of u and of v; w: coarse cells on a side, | 256 times the
+               // row of the first of them
+};
+// A coarse cell is a row: row of its first fine cell, fine cells on a side. A fine cell is a row: its first entry, the
+// end of its entries, its first triangle. An entry is half a row: a reference, and the least distance along the face's
+// axis (a float) of what it holds. They are sorted by that; where lists hold no nodes, spheres come before triangles.
+
+// The kernel fetches rows one by one: their places in the structures above.
+TURNER_CONST kNodeOrigin = 0u, kNodePlanes = 1u, kNodeRows = 2u;
+TURNER_CONST kSphereCenter = 0u, kSphereTags = 1u;
+TURNER_CONST kTriangleV0 = 0u, kTriangleV1 = 1u, kTriangleV2 = 2u, kTriangleNormal = 3u;
+TURNER_CONST kVertexNormalsRows = 3u;
+TURNER_CONST kMaterialDiffuse = 0u, kMaterialSpecular = 1u, kMaterialOther = 2u, kMaterialRows = 3u;
+TURNER_CONST kLightPosition = 0u, kLightColor = 1u, kLightRows = 2u;
+TURNER_CONST kCubeRows = 6u;
+
 // What the host reads after a dispatch.
 struct Status {
   uint unfinished;       // invocations that have work left
   uint limiter;          // invocations whose canary loop was cut: a driver's loop limiter fired
-  uint samplesFinished;  // in this pass over the tile
+  uint samplesWaiting;   // samples that they have not yet finished
   uint unused;
 };
 
 // --- rows of an invocation's state ----------------------------------------------------------------------------------
-// An invocation that reaches the end of its dispatch keeps its work here; row r of slot s is state[r * slots + s]. All
-// zero is a pixel not yet begun.
-TURNER_CONST kStateSum = 0u;              // sum of radiance; w: phase | level << 8
-TURNER_CONST kStateCompensation = 1u;     // of the sum; w: samples done
-TURNER_CONST kStateRay = 2u;              // origin; w: primitive it leaves
-TURNER_CONST kStateDirection = 3u;        // w: weight (float)
-TURNER_CONST kStateTraced = 4u;           // origin of the ray being traced: that ray, or a shadow ray of its hit
-TURNER_CONST kStateTracedDirection = 5u;  // w: light
-TURNER_CONST kStateHit = 6u;        // x: t of the hit (float), y: primitive, z: reference to visit next, w: stack top
-TURNER_CONST kStatePending = 7u;    // x, y: levels that have a ray waiting; z: t limit of the traversal (float)
-TURNER_CONST kStateCounts = 8u;     // eye, reflected, refracted, shadow
-TURNER_CONST kStateNodeStack = 9u;  // kMaxTreeDepth references, four in a row
-TURNER_CONST kStateRayStack = 21u;  // two rows for each level from 2 on: origin, leaving; direction, weight
+// An invocation that has work left at the end of its dispatch keeps it here; row r of slot s is state[r * slots + s].
+TURNER_CONST kStateSum = 0u;           // sum of radiance; w: kind | level << 8 | top of the node stack << 16
+TURNER_CONST kStateCompensation = 1u;  // of the sum; w: samples done
+TURNER_CONST kStateRay = 2u;           // origin; w: primitive it leaves
+TURNER_CONST kStateDirection = 3u;     // w: weight (float)
+TURNER_CONST kStateHit = 4u;           // x: t of the hit (float), y: primitive, z: light, w: first triangle of the walk's list
+TURNER_CONST kStateWalk = 5u;          // x: reference to visit next, y: t of the best hit (float), z: that primitive, w: its id
+TURNER_CONST kStateList = 6u;          // x, y: rest of the walk's list; z, w: levels that have a ray waiting
+TURNER_CONST kStateRays = 7u;          // counted: eye, reflected, refracted, shadow
+TURNER_CONST kStateNodes = 8u;         // nodes visited by each kind of ray
+TURNER_CONST kStatePrimitives = 9u;    // primitives tested by each kind of ray
+TURNER_CONST kStateNodeStack = 10u;    // kMaxTreeDepth references, four in a row
+TURNER_CONST kStateRayStack = 22u;     // two rows for each level from 2 on: origin, leaving; direction, weight
 
 #ifdef __cplusplus
 inline constexpr uint stateRows(uint depth) {
   return kStateRayStack + 2 * (depth - 1);
 }
 static_assert(kStateRayStack == kStateNodeStack + kMaxTreeDepth / 4);
-static_assert(kSegments * (kSteps + kLightTries + 1) + 2 * kMaxTreeDepth + kCanaryLength <= 60000);
 static_assert(sizeof(Row) == 16);
-static_assert(sizeof(Frame) == 112);
+static_assert(sizeof(Frame) == 208);
 static_assert(sizeof(Tile) == 32);
-static_assert(sizeof(Node) == 64);
-static_assert(sizeof(Sphere) == 32);
-static_assert(sizeof(Triangle) == 64);
+static_assert(sizeof(Node) == 32);
+static_assert(sizeof(Sphere) == kUnitRows * sizeof(Row));
+static_assert(sizeof(Triangle) == 2 * kUnitRows * sizeof(Row));
 static_assert(sizeof(VertexNormals) == 48);
 static_assert(sizeof(Material) == 48);
 static_assert(sizeof(Light) == 32);
+static_assert(sizeof(CubeFace) == 16);
 static_assert(sizeof(Status) == 16);
 }  // namespace turner::gpu
 #endif

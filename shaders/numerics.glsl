@@ -1,6 +1,11 @@
 // Arithmetic where plain float32 is not enough. Knows nothing of rays. `precise` keeps the compiler from contracting or
 // re-associating: these formulas live on the rounding of each single operation.
 
+// The lesser and the greater of two numbers, neither of them NaN: min() and max() take care of NaN, which costs lavapipe
+// three instructions instead of one.
+float lesser(float a, float b) { return a < b ? a : b; }
+float greater(float a, float b) { return a > b ? a : b; }
+
 // a + b = sum + rest, exactly (Knuth, The Art of Computer Programming 2, 4.2.2).
 float twoSum(float a, float b, out float rest) {
   precise float sum = a + b;

@@ -16,15 +16,16 @@ struct Surface {
 float largest(vec3 v) { return max(max(v.x, v.y), v.z); }
 
 // Turns the hit of a ray into the surface there.
-Surface surfaceAt(Ray ray, float t, uint primitive) {
+Surface surfaceAt(Ray ray, RayFactors factors, float t, uint primitive) {
   Surface surface;
-  uint index = primitive & kRefIndexMask;
+  uint row = kUnitRows * (primitive & kRefPlaceMask);
   vec3 V = -ray.direction;
   surface.margin = 0.0;
   surface.outside = true;
+  Row row0 = ROW(primitives, row), row1 = ROW(primitives, row + 1u);
   if (SPHERES && (primitive & kRefTriangle) == 0u) {
-    vec3 center = xyz(spheres[index].center);
-    float radius = uintBitsToFloat(spheres[index].center.w);
+    vec3 center = xyz(row0);
+    float radius = uintBitsToFloat(row0.w);
     vec3 outward = normalize(ray.origin + t * ray.direction - center);
     // Put the point back on the sphere: the error of o + t d grows with t.
     surface.point = center + abs(radius) * outward;
@@ -33,10 +34,10 @@ Surface surfaceAt(Ray ray, float t, uint primitive) {
     surface.margin = 2.0 * kRounding * (largest(abs(center)) + abs(radius));
     surface.Ng = radius < 0.0 ? -outward : outward;
     surface.Ns = surface.Ng;
-    surface.material = spheres[index].tags.y;
+    surface.material = row1.y;
   }
   if (TRIANGLES && (primitive & kRefTriangle) != 0u) {
-    Row row1 = triangles[index].v1, row2 = triangles[index].v2, plane = triangles[index].normal;
+    Row row2 = ROW(primitives, row + kTriangleV2), plane = ROW(primitives, row + kTriangleNormal);
     surface.Ng = xyz(plane);
     surface.material = row1.w;
     // Put the point back on the plane.
@@ -48,11 +49,11 @@ Surface surfaceAt(Ray ray, float t, uint primitive) {
     surface.margin = 4.0 * kRounding * (dot(abs(surface.Ng), abs(surface.point)) + abs(uintBitsToFloat(plane.w)));
     surface.Ns = surface.Ng;
     if (SMOOTH_NORMALS && row2.w != kRefNone) {
-      vec3 v0 = xyz(triangles[index].v0);
-      Edges edges = triangleEdges(ray, rayFactors(ray.direction), v0, xyz(row1), xyz(row2));
+      Edges edges = triangleEdges(ray, factors, xyz(row0), xyz(row1), xyz(row2));
       vec3 weights = edges.weights / edges.det;
-      vec3 Ns = weights.x * xyz(vertexNormals[row2.w].n0) + weights.y * xyz(vertexNormals[row2.w].n1) +
-                weights.z * xyz(vertexNormals[row2.w].n2);
+      uint normals = kVertexNormalsRows * row2.w;
+      vec3 Ns = weights.x * xyz(ROW(vertexNormals, normals)) + weights.y * xyz(ROW(vertexNormals, normals + 1u)) +
+                weights.z * xyz(ROW(vertexNormals, normals + 2u));
       float squared = dot(Ns, Ns);
       if (squared > 0.0) surface.Ns = Ns * inversesqrt(squared);
       if (dot(surface.Ng, surface.Ns) < 0.0) surface.Ng = -surface.Ng;
@@ -74,32 +75,26 @@ Ray leaveSurface(Surface surface, uint primitive, vec3 direction, bool above) {
   return Ray(origin, direction, primitive | (inward ? kLeavesInward : 0u));
 }
 
-// L, not yet unit: the way from the surface to a light.
-vec3 toLight(Surface surface, uint light) { return xyz(lights[light].position) - surface.point; }
-
 // Whether a light stands above both the surface and its shading normal, so that a shadow ray is worth its time.
-bool facesLight(Surface surface, uint light) {
-  vec3 L = toLight(surface, light);
+bool facesLight(Surface surface, vec3 lightPosition) {
+  vec3 L = lightPosition - surface.point;
   return dot(surface.Ns, L) > 0.0 && dot(surface.Ng, L) > 0.0;
 }
 
 // E (k_d + k_s max(0, N.H)^n) N.L of one light that is not in shadow.
-vec3 lightReflected(Surface surface, vec3 V, uint light) {
-  Row position = lights[light].position;
-  vec3 toward = toLight(surface, light);
+vec3 lightReflected(Surface surface, vec3 V, Row lightPosition, vec3 E, vec3 diffuse, vec3 specular, float shininess) {
+  vec3 toward = xyz(lightPosition) - surface.point;
   float squared = dot(toward, toward);
   vec3 L = toward / sqrt(squared);
-  vec3 E = xyz(lights[light].color);
-  if (FALLOFF && position.w != 0u) E /= squared;
-  vec3 brdf = xyz(materials[surface.material].diffuse);
+  if (FALLOFF && lightPosition.w != 0u) E /= squared;
+  vec3 brdf = diffuse;
   if (HIGHLIGHTS) {
     vec3 H = L + V;
     float h2 = dot(H, H);
     // N.H = 1 - |N - H|^2 / 2 for unit vectors: near 1, where a high power looks, the difference keeps its digits.
     vec3 difference = surface.Ns - H * inversesqrt(max(h2, 1e-30));
     float q = 0.5 * dot(difference, difference);
-    float shininess = uintBitsToFloat(materials[surface.material].other.x);
-    if (h2 > 0.0) brdf += xyz(materials[surface.material].specular) * powOneMinus(min(q, 1.0), shininess);
+    if (h2 > 0.0) brdf += specular * powOneMinus(min(q, 1.0), shininess);
   }
   return E * brdf * dot(surface.Ns, L);
 }

@@ -7,26 +7,43 @@ uint sampleIndex;   // the sample of the pixel that is being traced
 vec3 sum;           // of the radiance of all samples so far
 vec3 compensation;  // what sum has lost to rounding
 Ray ray;            // the eye or secondary ray in hand
+uint rayKind;       // kEye, kReflected or kRefracted
 float weight;       // product of the r and t factors on its way
 uint level;         // of it in the ray tree; the eye ray has 1
 uvec2 pending;      // bit l - 1: a ray waits on level l
 float hitT;         // where it hits
 uint hitPrimitive;  // and what
 uint light;         // the light that the hit's shadow ray goes to
-Ray traced;         // the ray that walks through the tree: ray, or a shadow ray of its hit
-Walk walk;          // where it is
-Row counts;         // rays spawned: eye, reflected, refracted, shadow
+Walk walk;          // of the ray in hand, or of a shadow ray of its hit
 
 Row packRow(vec3 v, uint w) { return Row(floatBitsToUint(v), w); }
 
 // Index of a row of this invocation's state: neighbours lie side by side.
 uint stateRow(uint row, uint slot) { return row * tile.slots + slot; }
 
+// A pixel not yet begun.
+void beginWork() {
+  sampleIndex = 0u;
+  sum = vec3(0);
+  compensation = vec3(0);
+  ray = Ray(vec3(0), vec3(0, 0, 1), kRefNone);
+  rayKind = 0u;
+  weight = 0.0;
+  level = 0u;
+  pending = uvec2(0u);
+  hitT = 0.0;
+  hitPrimitive = kRefNone;
+  light = 0u;
+  walk = Walk(kRefNone, 0u, 0.0, kRefNone, 0u, uvec3(0u));
+  raysSpawned = nodesVisited = primitivesVisited = Row(0u);
+}
+
 void takeUpWork(uint slot) {
   Row row = state[stateRow(kStateSum, slot)];
   sum = xyz(row);
-  phase = row.w & 255u;
-  level = row.w >> 8u;
+  rayKind = row.w & 255u;
+  level = (row.w >> 8u) & 255u;
+  walk.top = row.w >> 16u;
   row = state[stateRow(kStateCompensation, slot)];
   compensation = xyz(row);
   sampleIndex = row.w;
@@ -34,32 +51,38 @@ void takeUpWork(uint slot) {
   Row direction = state[stateRow(kStateDirection, slot)];
   ray = Ray(xyz(row), xyz(direction), row.w);
   weight = uintBitsToFloat(direction.w);
-  row = state[stateRow(kStateTraced, slot)];
-  direction = state[stateRow(kStateTracedDirection, slot)];
-  traced = Ray(xyz(row), xyz(direction), row.w);
-  light = direction.w;
   row = state[stateRow(kStateHit, slot)];
   hitT = uintBitsToFloat(row.x);
   hitPrimitive = row.y;
-  walk.next = row.z;
-  walk.top = row.w;
-  row = state[stateRow(kStatePending, slot)];
-  pending = row.xy;
-  walk.tMax = uintBitsToFloat(row.z);
-  walk.hit = row.w;
-  counts = COUNTERS ? state[stateRow(kStateCounts, slot)] : Row(0u);
+  light = row.z;
+  walk.list.z = row.w;
+  row = state[stateRow(kStateWalk, slot)];
+  walk.next = row.x;
+  walk.tMax = uintBitsToFloat(row.y);
+  walk.hit = row.z;
+  walk.hitId = row.w;
+  row = state[stateRow(kStateList, slot)];
+  walk.list.xy = row.xy;
+  pending = row.zw;
+  raysSpawned = COUNTERS ? state[stateRow(kStateRays, slot)] : Row(0u);
+  nodesVisited = COUNTERS ? state[stateRow(kStateNodes, slot)] : Row(0u);
+  primitivesVisited = COUNTERS ? state[stateRow(kStatePrimitives, slot)] : Row(0u);
 }
 
 void putWorkAway(uint slot) {
-  state[stateRow(kStateSum, slot)] = packRow(sum, phase | (level << 8u));
+  state[stateRow(kStateSum, slot)] = packRow(sum, rayKind | (level << 8u) | (walk.top << 16u));
   state[stateRow(kStateCompensation, slot)] = packRow(compensation, sampleIndex);
   state[stateRow(kStateRay, slot)] = packRow(ray.origin, ray.leaving);
   state[stateRow(kStateDirection, slot)] = packRow(ray.direction, floatBitsToUint(weight));
-  state[stateRow(kStateTraced, slot)] = packRow(traced.origin, traced.leaving);
-  state[stateRow(kStateTracedDirection, slot)] = packRow(traced.direction, light);
-  state[stateRow(kStateHit, slot)] = Row(floatBitsToUint(hitT), hitPrimitive, walk.next, walk.top);
-  state[stateRow(kStatePending, slot)] = Row(pending, floatBitsToUint(walk.tMax), walk.hit);
-  if (COUNTERS) state[stateRow(kStateCounts, slot)] = counts;
+  state[stateRow(kStateHit, slot)] = Row(floatBitsToUint(hitT), hitPrimitive, light, walk.list.z);
+  state[stateRow(kStateWalk, slot)] = Row(walk.next, floatBitsToUint(walk.tMax), walk.hit, walk.hitId);
+  state[stateRow(kStateList, slot)] = Row(walk.list.xy, pending);
+}
+
+void putCountsAway(uint slot) {
+  state[stateRow(kStateRays, slot)] = raysSpawned;
+  state[stateRow(kStateNodes, slot)] = nodesVisited;
+  state[stateRow(kStatePrimitives, slot)] = primitivesVisited;
 }
 
 // --- the ray stack: at most one ray waits on each level, so that its place tells its level ---
@@ -89,6 +112,7 @@ void popRay(uint slot) {
   Row origin = state[stateRow(row, slot)], direction = state[stateRow(row + 1u, slot)];
   ray = Ray(xyz(origin), xyz(direction), origin.w);
   weight = uintBitsToFloat(direction.w);
+  rayKind = kRefracted;  // a reflected ray is never the one that waits
 }
 
 // --- the node stack of an interrupted walk ---

@@ -2,9 +2,9 @@
 // one pixel: for each of its samples it follows the tree of rays depth-first, one ray in registers, the others waiting on
 // a stack, and adds what each hit sends toward the eye, weighted by the product of the mirrors and glasses on the way.
 //
-// Every turn of the main loop traces one ray: an eye or secondary ray to its nearest hit, or a shadow ray from that hit
-// to one light. After kSegments turns the invocation saves where it stands and goes on in the next dispatch, so that no
-// dispatch runs long (docs/kernel.md).
+// Every turn of the main loop follows one ray to its nearest hit, and shadow rays from there to the lights. When its
+// budget of iterations is spent the invocation saves where it stands and goes on in the next dispatch, so that no dispatch
+// runs long (docs/kernel.md).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "layout.h"
@@ -23,37 +23,43 @@ layout(constant_id = kSpecRefraction) const bool REFRACTION = true;
 layout(constant_id = kSpecFalloff) const bool FALLOFF = true;
 layout(constant_id = kSpecJitter) const bool JITTER = false;
 layout(constant_id = kSpecCounters) const bool COUNTERS = false;
-layout(constant_id = kSpecSegments) const uint SEGMENTS = kSegments;
-layout(constant_id = kSpecSteps) const uint STEPS = kSteps;
+layout(constant_id = kSpecNearestNodes) const bool NEAREST_NODES = true;
+layout(constant_id = kSpecShadowNodes) const bool SHADOW_NODES = true;
+layout(constant_id = kSpecBudget) const uint BUDGET = 1u;
+layout(constant_id = kSpecFresh) const bool FRESH = true;
 
 layout(push_constant) uniform PushConstants { Tile tile; };
-layout(std430, binding = kBindFrame) readonly buffer FrameBuffer { Frame frame; };
-layout(std430, binding = kBindNodes) readonly buffer NodeBuffer { Node nodes[]; };
-layout(std430, binding = kBindSpheres) readonly buffer SphereBuffer { Sphere spheres[]; };
-layout(std430, binding = kBindTriangles) readonly buffer TriangleBuffer { Triangle triangles[]; };
-layout(std430, binding = kBindVertexNormals) readonly buffer VertexNormalsBuffer { VertexNormals vertexNormals[]; };
-layout(std430, binding = kBindMaterials) readonly buffer MaterialBuffer { Material materials[]; };
-layout(std430, binding = kBindLights) readonly buffer LightBuffer { Light lights[]; };
+layout(std430, binding = kBindFrame) readonly buffer FrameBuffer { Frame frameInMemory; };
 layout(std430, binding = kBindState) buffer StateBuffer { Row state[]; };
-layout(std430, binding = kBindPixels) writeonly buffer PixelBuffer { float pixels[]; };  // RGB of the tile, row by row
+layout(std430, binding = kBindPixels) buffer PixelBuffer { Row pixels[]; };  // of the tile, row by row: RGB; w: phase
 layout(std430, binding = kBindStatus) buffer StatusBuffer { Status status; };
 
 vec3 xyz(Row row) { return uintBitsToFloat(row.xyz); }
 
+// What is the same for all invocations, loaded once: inside a branch or loop lavapipe 22.3 would load it lane by lane.
+Frame frame;
+uint root;  // of the tree
+
+// What is counted, by the kind of ray.
+const uint kEye = 0u, kReflected = 1u, kRefracted = 2u, kShadow = 3u;
+Row raysSpawned, nodesVisited, primitivesVisited;
+
+#include "fetch.glsl"
 #include "numerics.glsl"
 #include "camera.glsl"
 #include "intersect.glsl"
+#include "cube.glsl"
 #include "traverse.glsl"
 #include "shade.glsl"
 #include "state.glsl"
 
 // Where an invocation stands.
-const uint kNextSample = 0u;  // no ray in hand and none waiting; zero, so that cleared state is a fresh pixel
-const uint kTrace = 1u;       // the ray in hand looks for its nearest hit
-const uint kShadow = 2u;      // a shadow ray of its hit looks for anything in the way of one light
-const uint kNextLight = 3u;   // the hit is known, its next light is not
-const uint kNextRay = 4u;     // the ray in hand is done with
-const uint kDone = 5u;        // the pixel is finished
+const uint kNextSample = 0u;   // no ray in hand and none waiting; zero, so that cleared state is a fresh pixel
+const uint kTrace = 1u;        // the ray in hand looks for its nearest hit
+const uint kNextLight = 2u;    // the hit is known; next is a light
+const uint kTraceShadow = 3u;  // a shadow ray of the hit is on its way to that light
+const uint kNextRay = 4u;      // the ray in hand is done with
+const uint kDone = 5u;         // the pixel is finished
 
 // The even bits of an index: half of a Morton code.
 uint evenBits(uint i) {
@@ -64,14 +70,17 @@ uint evenBits(uint i) {
   return (i | (i >> 8u)) & 0x0000ffffu;
 }
 
+// a / b for a < 2^22, by way of float: lavapipe divides integers lane by lane.
+uint quotient(uint a, uint b) { return uint(int((float(int(a)) + 0.5) / float(int(b)))); }
+
 // The slot of this invocation. A CPU device gives each of its threads one contiguous share of the work-groups; dealing
 // the groups out in turn gives every thread a part of the sky and a part of the ground.
 uint invocationSlot() {
   uint group = gl_WorkGroupID.x + gl_WorkGroupID.y * gl_NumWorkGroups.x;
   if (group >= tile.groups) return tile.slots;  // the grid's last row may be longer than the work
   uint threads = frame.downLo.w;
-  uint share = tile.groups / threads;
-  uint dealt = group < share * threads ? (group % share) * threads + group / share : group;
+  uint share = quotient(tile.groups, threads), turn = quotient(group, max(share, 1u));
+  uint dealt = group < share * threads ? (group - turn * share) * threads + turn : group;
   return (tile.firstGroup + dealt) * gl_WorkGroupSize.x + gl_LocalInvocationIndex;
 }
 
@@ -80,80 +89,109 @@ uint invocationSlot() {
 uvec2 slotPixel(uint slot) {
   uint blocksInRow = (tile.width + 7u) / 8u;
   uint block = slot / 64u, inside = slot % 64u;
-  return uvec2(8u * (block % blocksInRow) + evenBits(inside), 8u * (block / blocksInRow) + evenBits(inside >> 1u));
+  uint y = quotient(block, blocksInRow), x = block - y * blocksInRow;
+  return uvec2(8u * x + evenBits(inside), 8u * y + evenBits(inside >> 1u));
+}
+
+// Begins a sample with its eye ray.
+void beginSample(uvec2 pixel) {
+  ray = Ray(vec3(0), eyeDirection(pixel, sampleIndex), kRefNone);
+  rayKind = kEye;
+  weight = 1.0;
+  level = 1u;
+  RayFactors factors = rayFactors(ray.direction);
+  walk = walkAlongList(cubeList(kEyeCube, cubeFace(ray.direction, factors.axis), factors.shear.xy), kNoHit);
+  phase = kTrace;
+  if (COUNTERS) ++raysSpawned[kEye];
 }
 
 void main() {
+  frame = frameInMemory;
+  root = frame.centreHi.w;
+  float minWeight = uintBitsToFloat(frame.downHi.w);
   uint slot = invocationSlot();
   uvec2 inTile = slotPixel(slot);
-  bool mine = slot < tile.slots && inTile.x < tile.width && inTile.y < tile.height;
+  bool exists = slot < tile.slots;  // some slots have no pixel: the tile's last blocks reach beyond it
+  bool mine = exists && inTile.x < tile.width && inTile.y < tile.height;
   slot = min(slot, tile.slots - 1u);
   uvec2 pixel = uvec2(tile.x0, tile.y0) + inTile;
-  float minWeight = uintBitsToFloat(frame.downHi.w);
 
   // Take up the work where the last dispatch left it.
-  takeUpWork(slot);
-  if (!mine) phase = kDone;
+  uint at = inTile.y * tile.width + inTile.x;
+  if (FRESH) {
+    beginWork();
+    phase = kDone;
+    if (mine) beginSample(pixel);
+  } else {
+    takeUpWork(slot);
+    phase = mine ? pixels[at].w : kDone;
+    if (phase == kDone) walk.next = kRefNone, walk.top = 0u;
+    if (NEAREST_NODES || SHADOW_NODES) loadNodeStack(slot, walk.top);
+  }
   bool finishedBefore = phase == kDone;
-  if (finishedBefore) walk = Walk(kRefNone, 0u, 0.0, kRefNone);
-  loadNodeStack(slot, walk.top);
 
-  uint samplesFinished = 0u;
-  for (uint segment = 0u; segment < SEGMENTS && phase != kDone; ++segment) {
-    // Begin the next sample with its eye ray.
-    if (phase == kNextSample) {
-      ray = Ray(vec3(0), eyeDirection(pixel, sampleIndex), kRefNone);
-      weight = 1.0;
-      level = 1u;
-      phase = kTrace;
-      traced = ray;
-      walk = beginWalk(kNoHit);
-      if (COUNTERS) ++counts.x;
-    }
+  int budget = int(BUDGET);
+  while (phase != kDone && budget > 0) {
+    budget -= 2;
+    if (SAMPLES > 1u && phase == kNextSample) beginSample(pixel);
 
-    continueWalk(traced, phase == kShadow, walk);
-    if (walk.next != kRefNone) continue;  // out of steps: the walk goes on in the next turn
-
-    // The nearest hit of an eye or secondary ray: its lights come first. A miss sees the background.
+    // Find the nearest hit of the ray in hand.
+    RayFactors factors = rayFactors(ray.direction);
     if (phase == kTrace) {
-      hitT = walk.tMax;
-      hitPrimitive = walk.hit;
-      light = 0u;
-      phase = kNextLight;
-      if (hitPrimitive == kRefNone) {
-        compensatedAdd(sum, compensation, weight * xyz(frame.background));
-        phase = kNextRay;
+      continueWalk(ray, factors, false, NEAREST_NODES, rayKind, abs(along(ray.direction, factors.axis)), walk, budget);
+      if (isOver(walk)) {
+        hitT = walk.tMax;
+        hitPrimitive = walk.hit;
+        light = 0u;
+        phase = kNextLight;
+        // A miss sees the background.
+        if (hitPrimitive == kRefNone) {
+          compensatedAdd(sum, compensation, weight * xyz(frame.background));
+          phase = kNextRay;
+        }
       }
     }
 
-    if (phase == kShadow || phase == kNextLight) {
-      Surface surface = surfaceAt(ray, hitT, hitPrimitive);
-      Row diffuse = materials[surface.material].diffuse, specular = materials[surface.material].specular;
-      Row other = materials[surface.material].other;
+    if (phase == kNextLight || phase == kTraceShadow) {
+      // What is there?
+      Surface surface = surfaceAt(ray, factors, hitT, hitPrimitive);
+      uint material = kMaterialRows * surface.material;
+      Row diffuse = ROW(materials, material + kMaterialDiffuse);
+      Row specular = ROW(materials, material + kMaterialSpecular);
+      Row other = ROW(materials, material + kMaterialOther);
       float localWeight = uintBitsToFloat(other.z);
 
-      // The light at the end of a shadow ray that nothing blocked.
-      if (phase == kShadow) {
-        if (walk.hit == kRefNone)
-          compensatedAdd(sum, compensation, weight * localWeight * lightReflected(surface, -ray.direction, light));
-        ++light;
-        phase = kNextLight;
-      }
-
-      // The next light that faces the surface gets a shadow ray.
+      // Add the light of every light that faces the surface and that nothing hides.
       vec3 local = max(xyz(diffuse), HIGHLIGHTS ? xyz(specular) : vec3(0));
-      if (localWeight * largest(local) <= 0.0) light = LIGHTS;
-      for (uint tries = 0u; tries < kLightTries && light < LIGHTS; ++tries) {
-        if (facesLight(surface, light)) {
-          traced = leaveSurface(surface, hitPrimitive, vec3(0), true);
-          traced.direction = xyz(lights[light].position) - traced.origin;
-          // The light's own end is open: what stands exactly at the light does not block it.
-          walk = beginWalk(1.0 - 1.0 / 1048576.0);
-          phase = kShadow;
-          if (COUNTERS) ++counts.w;
-          break;
+      if (phase == kNextLight && localWeight * largest(local) <= 0.0) light = LIGHTS;
+      while (light < LIGHTS && budget > 0) {
+        --budget;
+        Row position = ROW(lights, kLightRows * light + kLightPosition);
+        Row color = ROW(lights, kLightRows * light + kLightColor);
+        Ray shadowRay = leaveSurface(surface, hitPrimitive, vec3(0), true);
+        shadowRay.direction = xyz(position) - shadowRay.origin;
+        RayFactors shadowFactors = rayFactors(shadowRay.direction);
+        bool faces = facesLight(surface, xyz(position));
+        if (phase == kNextLight && faces) {
+          // Seen from the light, the ray comes through the opposite face. The light's own end is open: what stands exactly
+          // at the light does not block it.
+          uint face = cubeFace(-shadowRay.direction, shadowFactors.axis);
+          walk = walkAlongList(cubeList(kEyeCube + 1u + light, face, shadowFactors.shear.xy), 1.0 - 1.0 / 1048576.0);
+          phase = kTraceShadow;
+          if (COUNTERS) ++raysSpawned[kShadow];
         }
-        ++light;
+        if (phase == kTraceShadow)
+          continueWalk(shadowRay, shadowFactors, true, SHADOW_NODES, kShadow,
+                       abs(along(shadowRay.direction, shadowFactors.axis)), walk, budget);
+        if (phase == kNextLight || isOver(walk)) {
+          if (phase == kTraceShadow && walk.hit == kRefNone)
+            compensatedAdd(sum, compensation,
+                           weight * localWeight *
+                               lightReflected(surface, -ray.direction, position, xyz(color), xyz(diffuse), xyz(specular),
+                                              uintBitsToFloat(other.x)));
+          ++light;
+          phase = kNextLight;
+        }
       }
 
       // All lights are done: spawn what is reflected and transmitted.
@@ -169,21 +207,23 @@ void main() {
         bool deeper = level < DEPTH;
         bool reflects = (REFLECTION || REFRACTION) && deeper && r > 0.0 && reflectedWeight >= minWeight;
         bool transmits = REFRACTION && deeper && passes && transmittedWeight >= minWeight;
-        if (COUNTERS) counts.yz += uvec2(reflects ? 1u : 0u, transmits ? 1u : 0u);
+        if (COUNTERS && reflects) ++raysSpawned[kReflected];
+        if (COUNTERS && transmits) ++raysSpawned[kRefracted];
 
         Ray through = leaveSurface(surface, hitPrimitive, T, false);
         if (reflects) {
           if (transmits) pushRay(slot, through, transmittedWeight);
           ray = leaveSurface(surface, hitPrimitive, reflection(surface, ray.direction), true);
+          rayKind = kReflected;
           weight = reflectedWeight;
         } else if (transmits) {
           ray = through;
+          rayKind = kRefracted;
           weight = transmittedWeight;
         }
         if (reflects || transmits) {
           ++level;
-          traced = ray;
-          walk = beginWalk(kNoHit);
+          walk = walkFromRoot();
           phase = kTrace;
         }
       }
@@ -191,32 +231,26 @@ void main() {
 
     // Go on with the deepest ray that waits; without one the sample is complete.
     if (phase == kNextRay) {
-      if (anyPending()) {
+      if (REFRACTION && anyPending()) {
         popRay(slot);
-        traced = ray;
-        walk = beginWalk(kNoHit);
+        walk = walkFromRoot();
         phase = kTrace;
       } else {
         ++sampleIndex;
-        ++samplesFinished;
         phase = sampleIndex < SAMPLES * SAMPLES ? kNextSample : kDone;
       }
     }
   }
 
+  if (COUNTERS && exists && (FRESH || !finishedBefore)) putCountsAway(slot);
   if (!finishedBefore) {
-    putWorkAway(slot);
-    if (phase == kDone) {
-      vec3 mean = sum / float(SAMPLES * SAMPLES);
-      uint at = 3u * (inTile.y * tile.width + inTile.x);
-      pixels[at] = mean.x;
-      pixels[at + 1u] = mean.y;
-      pixels[at + 2u] = mean.z;
-    } else {
-      saveNodeStack(slot, walk.top);
+    pixels[at] = packRow(sum / float(SAMPLES * SAMPLES), phase);
+    if (phase != kDone) {
+      putWorkAway(slot);
+      if (NEAREST_NODES || SHADOW_NODES) saveNodeStack(slot, walk.top);
       atomicAdd(status.unfinished, 1u);
+      atomicAdd(status.samplesWaiting, SAMPLES * SAMPLES - sampleIndex);
     }
-    atomicAdd(status.samplesFinished, samplesFinished);
   }
 
   // The canary: a loop that must run kCanaryLength times. If it does not, a loop limiter has fired above, and the

@@ -81,17 +81,17 @@ void measure(const std::string& name, const Scene& scene) {
   settings.crop = {160, 224, 224, 288};
   const Scene local = roundScene(scene);
   const std::vector<Box> boxes = primitiveBoxes(local);
-  const PackedScene tree = packScene(local, buildBvh(boxes, local.spheres.size()));
-  const PackedScene list = packScene(local, listOf(boxes, local.spheres.size()));
+  const PackedScene tree = packScene(local, buildBvh(boxes, local.spheres.size()), boxes, settings, Cubes::wholeTree);
+  const PackedScene list = packScene(local, listOf(boxes, local.spheres.size()), boxes, settings, Cubes::wholeTree);
   Image treeImage, listImage;
   const double treeSeconds = traceSeconds(tree, settings, treeImage);
-  const double rays = double(test::renderer().countRays(test::kernel(), settings).total());
+  const double rays = double(test::renderer().countVisits(test::kernel(), settings).rays.total());
   const double listSeconds = traceSeconds(list, settings, listImage);
   if (std::memcmp(treeImage.rgb.data(), listImage.rgb.data(), treeImage.rgb.size() * sizeof(float)) != 0)
     throw RunError(name + ": tree and list render different pictures");
-  fmt::print("| {} | {} | {:.3f} | {:.2f} | {:.0f} | {} | {:.0f} |\n", name, tree.primitives(),
+  fmt::print("| {} | {} | {:.3f} | {:.2f} | {:.0f} | {} | {:.0f} |\n", name, tree.primitiveCount,
              listSeconds / rays * 1e6, treeSeconds / rays * 1e6, listSeconds / treeSeconds, tree.treeDepth,
-             double(tree.bytes()) / double(tree.primitives()));
+             double(tree.bytes()) / double(tree.primitiveCount));
 }
 
 }  // namespace

@@ -15,31 +15,40 @@
 
 namespace turner::test {
 
-inline const Spirv& kernel() {
-  static const Spirv spirv = compileGlsl(TURNER_SHADERS_DIR "/whitted.comp");
-  return spirv;
+inline std::string wantedDevice() {
+  const char* wanted = std::getenv("TURNER_DEVICE");
+  return wanted ? wanted : "";
 }
 
 inline ShaderRenderer& renderer() {
-  const char* wanted = std::getenv("TURNER_DEVICE");
-  static ShaderRenderer renderer(chooseDevice(listDevices(), wanted ? wanted : ""));
+  static ShaderRenderer renderer(chooseDevice(listDevices(), wantedDevice()));
   return renderer;
 }
 
-inline PackedScene packed(const Scene& scene) {
+inline Spirv compileKernel(Fetch fetch) {
+  return compileGlsl(TURNER_SHADERS_DIR "/whitted.comp", fetchPreamble(fetch));
+}
+
+inline const Spirv& kernel() {
+  static const Spirv spirv = compileKernel(renderer().fetch());
+  return spirv;
+}
+
+inline PackedScene packed(const Scene& scene, const RenderSettings& settings, Cubes cubes = Cubes::lists) {
   const Scene local = roundScene(scene);
-  return packScene(local, buildBvh(primitiveBoxes(local), local.spheres.size()));
+  const std::vector<Box> boxes = primitiveBoxes(local);
+  return packScene(local, buildBvh(boxes, local.spheres.size()), boxes, settings, cubes);
 }
 
 inline Image renderShader(const Scene& scene, const RenderSettings& settings, const Dispatching& dispatching = {}) {
-  renderer().upload(packed(scene));
+  renderer().upload(packed(scene, settings));
   return renderer().render(kernel(), settings, {}, dispatching).image;
 }
 
 inline RayCounts countShaderRays(const Scene& scene, const RenderSettings& settings,
                                  const Dispatching& dispatching = {}) {
-  renderer().upload(packed(scene));
-  return renderer().countRays(kernel(), settings, {}, dispatching);
+  renderer().upload(packed(scene, settings));
+  return renderer().countVisits(kernel(), settings, {}, dispatching).rays;
 }
 
 inline RenderSettings settingsOf(const Scene& scene, int width, int height, int samples = 1) {

@@ -46,7 +46,7 @@ SpirvNames readNames(const std::vector<uint32_t>& words) {
 }
 
 TEST(Layout, OffsetsInSpirvAreThoseOfTheCompiler) {
-  const SpirvNames names = readNames(test::kernel().words);
+  const SpirvNames names = readNames(test::compileKernel(Fetch::buffers).words);
 #define EXPECT_SAME_OFFSET(Struct, member)                                                \
   do {                                                                                    \
     const auto found = names.offsets.find({#Struct, #member});                            \
@@ -60,6 +60,7 @@ TEST(Layout, OffsetsInSpirvAreThoseOfTheCompiler) {
   EXPECT_SAME_OFFSET(Frame, downHi);
   EXPECT_SAME_OFFSET(Frame, downLo);
   EXPECT_SAME_OFFSET(Frame, background);
+  EXPECT_SAME_OFFSET(Frame, addresses);
   EXPECT_SAME_OFFSET(Tile, x0);
   EXPECT_SAME_OFFSET(Tile, y0);
   EXPECT_SAME_OFFSET(Tile, width);
@@ -67,44 +68,51 @@ TEST(Layout, OffsetsInSpirvAreThoseOfTheCompiler) {
   EXPECT_SAME_OFFSET(Tile, slots);
   EXPECT_SAME_OFFSET(Tile, firstGroup);
   EXPECT_SAME_OFFSET(Tile, groups);
-  EXPECT_SAME_OFFSET(Node, lo0);
-  EXPECT_SAME_OFFSET(Node, hi0);
-  EXPECT_SAME_OFFSET(Node, lo1);
-  EXPECT_SAME_OFFSET(Node, hi1);
-  EXPECT_SAME_OFFSET(Sphere, center);
-  EXPECT_SAME_OFFSET(Sphere, tags);
-  EXPECT_SAME_OFFSET(Triangle, v0);
-  EXPECT_SAME_OFFSET(Triangle, v1);
-  EXPECT_SAME_OFFSET(Triangle, v2);
-  EXPECT_SAME_OFFSET(Triangle, normal);
-  EXPECT_SAME_OFFSET(VertexNormals, n0);
-  EXPECT_SAME_OFFSET(VertexNormals, n1);
-  EXPECT_SAME_OFFSET(VertexNormals, n2);
-  EXPECT_SAME_OFFSET(Material, diffuse);
-  EXPECT_SAME_OFFSET(Material, specular);
-  EXPECT_SAME_OFFSET(Material, other);
-  EXPECT_SAME_OFFSET(Light, position);
-  EXPECT_SAME_OFFSET(Light, color);
   EXPECT_SAME_OFFSET(Status, unfinished);
   EXPECT_SAME_OFFSET(Status, limiter);
-  EXPECT_SAME_OFFSET(Status, samplesFinished);
+  EXPECT_SAME_OFFSET(Status, samplesWaiting);
 #undef EXPECT_SAME_OFFSET
 }
 
 TEST(Layout, ArraysInSpirvHaveTheStrideOfTheCompiler) {
-  std::map<uint32_t, int> found, expected;
-  for (const uint32_t stride : readNames(test::kernel().words).arrayStrides) ++found[stride];
-  // Nodes, spheres, triangles, vertex normals, materials, lights; state in rows; pixels in floats.
-  for (const size_t stride : {sizeof(gpu::Node), sizeof(gpu::Sphere), sizeof(gpu::Triangle), sizeof(gpu::VertexNormals),
-                              sizeof(gpu::Material), sizeof(gpu::Light), sizeof(gpu::Row), sizeof(float)})
-    ++expected[uint32_t(stride)];
-  EXPECT_EQ(found, expected);
+  std::map<uint32_t, int> found;
+  for (const uint32_t stride : readNames(test::compileKernel(Fetch::buffers).words).arrayStrides) ++found[stride];
+  // The frame's addresses, state, pixels and the scene's arrays, all in rows.
+  EXPECT_EQ(found, (std::map<uint32_t, int>{{uint32_t(sizeof(gpu::Row)), found[sizeof(gpu::Row)]}}));
+  EXPECT_GT(found[sizeof(gpu::Row)], 0);
+}
+
+// The kernel fetches row by row: its numbers of rows against the structures that the host writes.
+TEST(Layout, RowsAreWhereTheKernelFetchesThem) {
+  constexpr size_t row = sizeof(gpu::Row);
+  EXPECT_EQ(offsetof(gpu::Node, origin), gpu::kNodeOrigin * row);
+  EXPECT_EQ(offsetof(gpu::Node, planes), gpu::kNodePlanes * row);
+  EXPECT_EQ(sizeof(gpu::Node), gpu::kNodeRows * row);
+  EXPECT_EQ(offsetof(gpu::Sphere, center), gpu::kSphereCenter * row);
+  EXPECT_EQ(offsetof(gpu::Sphere, tags), gpu::kSphereTags * row);
+  EXPECT_EQ(offsetof(gpu::Triangle, v0), gpu::kTriangleV0 * row);
+  EXPECT_EQ(offsetof(gpu::Triangle, v1), gpu::kTriangleV1 * row);
+  EXPECT_EQ(offsetof(gpu::Triangle, v2), gpu::kTriangleV2 * row);
+  EXPECT_EQ(offsetof(gpu::Triangle, normal), gpu::kTriangleNormal * row);
+  EXPECT_EQ(sizeof(gpu::VertexNormals), gpu::kVertexNormalsRows * row);
+  EXPECT_EQ(offsetof(gpu::Material, diffuse), gpu::kMaterialDiffuse * row);
+  EXPECT_EQ(offsetof(gpu::Material, specular), gpu::kMaterialSpecular * row);
+  EXPECT_EQ(offsetof(gpu::Material, other), gpu::kMaterialOther * row);
+  EXPECT_EQ(sizeof(gpu::Material), gpu::kMaterialRows * row);
+  EXPECT_EQ(offsetof(gpu::Light, position), gpu::kLightPosition * row);
+  EXPECT_EQ(offsetof(gpu::Light, color), gpu::kLightColor * row);
+  EXPECT_EQ(sizeof(gpu::Light), gpu::kLightRows * row);
+  EXPECT_EQ(6 * sizeof(gpu::CubeFace), gpu::kCubeRows * row);
 }
 
 TEST(Layout, BindingsAreThoseOfTheHeader) {
-  std::map<uint32_t, int> bindings = readNames(test::kernel().words).bindings;
-  EXPECT_EQ(bindings.size(), size_t(gpu::kBindCount));
-  for (uint32_t binding = 0; binding < gpu::kBindCount; ++binding) EXPECT_EQ(bindings[binding], 1) << binding;
+  for (const Fetch fetch : {Fetch::texels, Fetch::buffers, Fetch::addresses}) {
+    SCOPED_TRACE(fetchName(fetch));
+    std::map<uint32_t, int> bindings = readNames(test::compileKernel(fetch).words).bindings;
+    const uint32_t count = fetch == Fetch::addresses ? gpu::kBindNodes : gpu::kBindCount;
+    EXPECT_EQ(bindings.size(), size_t(count));
+    for (uint32_t binding = 0; binding < count; ++binding) EXPECT_EQ(bindings[binding], 1) << binding;
+  }
 }
 
 }  // namespace

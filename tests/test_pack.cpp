@@ -79,63 +79,102 @@ TEST(RoundScene, RefusesWhatFloatsCannotHold) {
   EXPECT_THROW(checkReach(roundScene(far)), InputError);
 }
 
-TEST(Pack, RefusesATreeDeeperThanTheStack) {
-  const Scene local = roundScene(mixedScene());
-  Bvh bvh = buildBvh(primitiveBoxes(local), local.spheres.size());
-  bvh.depth = int(gpu::kMaxTreeDepth) + 1;
-  EXPECT_THROW(packScene(local, bvh), RunError);
+PackedScene pack(const Scene& scene) {
+  return test::packed(scene, test::settingsOf(scene, 64, 64));
 }
 
-TEST(Pack, EveryPrimitiveIsReachedOnceAndInItsLeafsBox) {
-  const Scene scene = mixedScene();
-  const Scene local = roundScene(scene);
-  const PackedScene packed = test::packed(scene);
-  ASSERT_EQ(packed.spheres.size(), 300u);
-  ASSERT_EQ(packed.triangles.size(), 300u);
-  std::vector<int> seen(600, 0);
-  const auto inside = [](const glm::dvec3& p, const gpu::Row& lo, const gpu::Row& hi) {
-    return p.x >= lo.x && p.y >= lo.y && p.z >= lo.z && p.x <= hi.x && p.y <= hi.y && p.z <= hi.z;
-  };
-  const auto visitLeaf = [&](gpu::uint reference, const gpu::Row& lo, const gpu::Row& hi) {
-    const gpu::uint count = (reference >> gpu::kRefCountShift & gpu::kRefCountMask) + 1;
-    for (gpu::uint i = reference & gpu::kRefIndexMask, end = i + count; i < end; ++i) {
+TEST(Pack, RefusesATreeDeeperThanTheStack) {
+  const Scene scene = mixedScene(), local = roundScene(scene);
+  const std::vector<Box> boxes = primitiveBoxes(local);
+  Bvh bvh = buildBvh(boxes, local.spheres.size());
+  bvh.depth = int(gpu::kMaxTreeDepth) + 1;
+  EXPECT_THROW(packScene(local, bvh, boxes, test::settingsOf(scene, 64, 64)), RunError);
+}
+
+// Walks the packed tree as the kernel does.
+struct PackedCensus {
+  const PackedScene& packed;
+  const Scene& local;
+  std::vector<int> seen;
+
+  static uint32_t bits(float value) { return std::bit_cast<uint32_t>(value); }
+
+  void visit(gpu::uint reference, const glm::dvec3& lo, const glm::dvec3& hi) {
+    if (reference & gpu::kRefLeaf)
+      visitLeaf(reference, lo, hi);
+    else
+      visitNode(packed.nodes.at(reference), reference);
+  }
+
+  void visitNode(const gpu::Node& node, gpu::uint index) {
+    const gpu::uint tags = node.origin.w >> 24, reference = node.planes.w, below = index + 1;
+    glm::dvec3 lo[2], hi[2];
+    for (int k = 0; k < 3; ++k) {
+      const double origin = k == 0 ? node.origin.x : k == 1 ? node.origin.y : node.origin.z;
+      const uint32_t planes = bits(k == 0 ? node.planes.x : k == 1 ? node.planes.y : node.planes.z);
+      const double scale = std::ldexp(1.0, int(node.origin.w >> (8 * k) & 255) - 127);
+      const auto plane = [&](int byte) { return origin + scale * (planes >> (8 * byte) & 255); };
+      lo[0][k] = plane(0), hi[0][k] = plane(1), lo[1][k] = plane(2), hi[1][k] = plane(3);
+    }
+    const gpu::uint secondLeaf =
+        gpu::kRefLeaf | (tags << 26 & 0x70000000u) | ((reference & gpu::kRefPlaceMask) + 1 + (tags >> 5));
+    visit(tags & 1 ? reference : below, lo[0], hi[0]);
+    visit(!(tags & 1) ? reference : !(tags & 2) ? below : secondLeaf, lo[1], hi[1]);
+  }
+
+  void visitLeaf(gpu::uint reference, const glm::dvec3& lo, const glm::dvec3& hi) {
+    const auto expectInside = [&](const glm::dvec3& p) {
+      for (int k = 0; k < 3; ++k) {
+        EXPECT_GE(p[k], lo[k]);
+        EXPECT_LE(p[k], hi[k]);
+      }
+    };
+    size_t row = gpu::kUnitRows * size_t(reference & gpu::kRefPlaceMask);
+    for (gpu::uint left = (reference >> gpu::kRefCountShift & gpu::kRefCountMask) + 1; left > 0; --left) {
+      const gpu::Row& first = packed.primitives.at(row);
       if (reference & gpu::kRefTriangle) {
-        const gpu::uint id = packed.triangles.at(i).v0.w;
-        ++seen.at(id);
-        for (const glm::dvec3& vertex : local.triangles.at(id - 300).vertices) EXPECT_TRUE(inside(vertex, lo, hi));
-        EXPECT_EQ(packed.triangles[i].v1.w, local.triangles[id - 300].material);
-        EXPECT_EQ(packed.triangles[i].v2.w, gpu::kRefNone);
+        ++seen.at(first.w);
+        const Triangle& triangle = local.triangles.at(first.w - local.spheres.size());
+        for (const glm::dvec3& vertex : triangle.vertices) expectInside(vertex);
+        EXPECT_EQ(packed.primitives.at(row + 1).w, triangle.material);
+        EXPECT_EQ(packed.primitives.at(row + 2).w, gpu::kRefNone);
+        row += 2 * gpu::kUnitRows;
       } else {
-        const gpu::uint id = std::bit_cast<gpu::uint>(packed.spheres.at(i).tags.x);
+        const uint32_t id = bits(packed.primitives.at(row + 1).x);
         ++seen.at(id);
         const Sphere& sphere = local.spheres.at(id);
-        EXPECT_TRUE(inside(sphere.center - sphere.radius, lo, hi));
-        EXPECT_TRUE(inside(sphere.center + sphere.radius, lo, hi));
-        EXPECT_EQ(std::bit_cast<float>(packed.spheres[i].center.w), float(sphere.radius));
+        expectInside(sphere.center - sphere.radius);
+        expectInside(sphere.center + sphere.radius);
+        EXPECT_EQ(std::bit_cast<float>(first.w), float(sphere.radius));
+        row += gpu::kUnitRows;
       }
     }
-  };
-  for (const gpu::Node& node : packed.nodes) {
-    if (node.lo0.w & gpu::kRefLeaf) visitLeaf(node.lo0.w, node.lo0, node.hi0);
-    if (node.hi0.w & gpu::kRefLeaf) visitLeaf(node.hi0.w, node.lo1, node.hi1);
   }
-  for (const int times : seen) EXPECT_EQ(times, 1);
+};
+
+TEST(Pack, EveryPrimitiveIsReachedOnceAndInItsBoxes) {
+  const Scene scene = mixedScene();
+  const Scene local = roundScene(scene);
+  const PackedScene packed = pack(scene);
+  PackedCensus census{packed, local, std::vector<int>(600, 0)};
+  census.visit(packed.view.root, glm::dvec3(-INFINITY), glm::dvec3(INFINITY));
+  for (const int times : census.seen) EXPECT_EQ(times, 1);
 }
 
 TEST(Pack, AsksForNoMoreThanTheSceneNeeds) {
   Scene scene = mixedScene();
-  Features features = test::packed(scene).features;
+  Features features = pack(scene).features;
   EXPECT_TRUE(features.spheres && features.triangles && features.reflection && features.refraction);
   EXPECT_FALSE(features.highlights || features.smoothNormals || features.falloff);
   scene.spheres.clear();
   for (Triangle& triangle : scene.triangles) triangle.material = 0;
-  features = test::packed(scene).features;
+  features = pack(scene).features;
   EXPECT_FALSE(features.spheres || features.reflection || features.refraction) << "an unused material counts";
 }
 
 TEST(Pack, SumsOfTwoFloatsKeepTheCamera) {
   const Scene scene = mixedScene();
-  const PackedScene packed = test::packed(scene);
+  const PackedScene packed = pack(scene);
   const gpu::Frame frame = packFrame(packed.view, test::settingsOf(scene, 640, 480), 1);
   const double tangent = std::tan(20 * closed_form::kDegree);
   EXPECT_NEAR(double(frame.rightHi.x) + double(frame.rightLo.x), 2 * tangent / 480, 1e-17);

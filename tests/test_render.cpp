@@ -51,14 +51,16 @@ TEST(Render, DoesNotDependOnTilesOrWorkGroups) {
 }
 
 TEST(Render, DoesNotDependOnWhereItIsInterrupted) {
-  const Scene scene = ours("spot");
-  RenderSettings settings = settingsOf(scene, 64, 64);
-  settings.crop = {24, 24, 48, 48};
-  const Image expected = renderShader(scene, settings);
-  for (const uint32_t segments : {1u, 2u, 5u})
-    for (const uint32_t steps : {1u, 3u, 50u})
-      EXPECT_TRUE(sameBits(renderShader(scene, settings, {.segments = segments, .steps = steps}), expected))
-          << segments << " segments of " << steps << " steps";
+  // spot's rays meet nodes, those of glass have waiting rays.
+  for (const char* name : {"spot", "glass"}) {
+    const Scene scene = ours(name);
+    RenderSettings settings = settingsOf(scene, 64, 64);
+    settings.crop = {24, 24, 48, 48};
+    const Image expected = renderShader(scene, settings);
+    for (const uint32_t budget : {1u, kLeastBudget + 1, 13u, 50u, 300u})
+      EXPECT_TRUE(sameBits(renderShader(scene, settings, {.budget = budget}), expected))
+          << name << " in pieces of " << budget << " iterations";
+  }
 }
 
 TEST(Render, CropIsThatPartOfThePicture) {
@@ -81,9 +83,32 @@ TEST(Render, DoesNotDependOnTheTree) {
   const RenderSettings settings = settingsOf(scene, 80, 60);
   const Image expected = renderShader(scene, settings);
   const Scene local = roundScene(scene);
-  test::renderer().upload(packScene(local, buildMedianBvh(primitiveBoxes(local), local.spheres.size())));
+  const std::vector<Box> boxes = primitiveBoxes(local);
+  test::renderer().upload(packScene(local, buildMedianBvh(boxes, local.spheres.size()), boxes, settings));
   EXPECT_TRUE(sameBits(test::renderer().render(test::kernel(), settings).image, expected));
 }
+
+class AllScenes : public testing::TestWithParam<std::string> {};
+
+// The lists of eye and lights against walks from the root, and every way to fetch: the same bits.
+TEST_P(AllScenes, DoNotDependOnListsOrFetching) {
+  Scene scene = ours(GetParam());
+  RenderSettings settings = settingsOf(scene, 120, 80);
+  settings.depth = std::min(settings.depth, 5);
+  const Image expected = renderShader(scene, settings);
+  test::renderer().upload(test::packed(scene, settings, Cubes::wholeTree));
+  EXPECT_TRUE(sameBits(test::renderer().render(test::kernel(), settings).image, expected)) << "without lists";
+  for (const Fetch fetch : {Fetch::texels, Fetch::buffers, Fetch::addresses}) {
+    ShaderRenderer other(chooseDevice(listDevices(), test::wantedDevice()), fetch);
+    other.upload(test::packed(scene, settings));
+    EXPECT_TRUE(sameBits(other.render(test::compileKernel(fetch), settings).image, expected)) << fetchName(fetch);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Render, AllScenes,
+                         testing::Values("spheres", "shadows", "mirrors", "glass", "blinn_phong", "triangles",
+                                         "cliff_hanger", "deep_glass", "spot"),
+                         [](const auto& test) { return test.param; });
 
 // Of two coincident primitives the one that stands first in the scene is seen, wherever the tree puts them.
 TEST(Render, LowestIdWinsAmongCoincidentTriangles) {
@@ -297,16 +322,17 @@ TEST(Render, TearsDownWithoutComplaints) {
   {
     const Scene scene = ours("diffuse");
     ShaderRenderer own(chooseDevice(listDevices(), ""));
-    own.upload(test::packed(scene));
-    own.render(test::kernel(), settingsOf(scene, 16, 16));
+    const RenderSettings settings = settingsOf(scene, 16, 16);
+    own.upload(test::packed(scene, settings));
+    own.render(test::kernel(), settings);
   }
   EXPECT_NO_THROW(throwIfInvalid());
 }
 
 TEST(Render, ProgressGrowsAndMayEndTheRender) {
   const Scene scene = ours("diffuse");
-  test::renderer().upload(test::packed(scene));
   const RenderSettings settings = settingsOf(scene, 64, 64, 5);
+  test::renderer().upload(test::packed(scene, settings));
   double last = 0;
   test::renderer().render(test::kernel(), settings,
                           [&](double share) {
@@ -370,7 +396,7 @@ TEST(Render, FiredLoopLimiterIsReported) {
   Scene scene = ours("deep_glass");
   scene.depth = 16;
   try {
-    renderShader(scene, settingsOf(scene, 64, 64), {.segments = 1u << 30, .steps = 1u << 30});
+    renderShader(scene, settingsOf(scene, 64, 64), {.budget = 1u << 30});
     FAIL() << "the loops ran on: the limiter is gone, and the bounds with it may be lifted";
   } catch (const RunError& error) {
     EXPECT_THAT(error.what(), testing::HasSubstr("loop limiter"));

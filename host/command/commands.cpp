@@ -134,15 +134,16 @@ Rendered renderWithShader(const Scene& scene, const RenderSettings& settings, co
   Stopwatch watch;
   const Scene local = roundScene(scene);
   checkReach(local);
-  const Bvh bvh = buildBvh(primitiveBoxes(local), local.spheres.size(), {gpu::kMaxLeafSize, int(gpu::kMaxTreeDepth)});
-  const PackedScene packed = packScene(local, bvh);
+  const std::vector<Box> boxes = primitiveBoxes(local);
+  const Bvh bvh = buildBvh(boxes, local.spheres.size(), {gpu::kMaxLeafSize, int(gpu::kMaxTreeDepth)});
+  const PackedScene packed = packScene(local, bvh, boxes, settings);
   stats.treeNodes = packed.nodes.size();
   stats.treeDepth = packed.treeDepth;
   stats.geometryBytes = packed.bytes();
   stats.seconds.build = watch.lap();
   throwIfInterrupted();
 
-  const Spirv kernel = compileGlsl(shaderFolder(options.shaders) + "/whitted.comp");
+  const Spirv kernel = compileGlsl(shaderFolder(options.shaders) + "/whitted.comp", fetchPreamble(renderer.fetch()));
   stats.seconds.compile = watch.lap();
   throwIfInterrupted();
 
@@ -164,7 +165,7 @@ Rendered renderWithShader(const Scene& scene, const RenderSettings& settings, co
 
   if (countRays) {
     ProgressLine progress("counting rays", sampleCount(settings), options.quiet);
-    stats.rays = renderer.countRays(kernel, settings, std::ref(progress), dispatching);
+    stats.rays = renderer.countVisits(kernel, settings, std::ref(progress), dispatching).rays;
   }
   return result;
 }

@@ -31,7 +31,7 @@ struct Bvh {
 };
 
 struct BvhLimits {
-  uint32_t maxLeafSize = 8;
+  uint32_t maxLeafSize = 4;
   int maxDepth = 48;
 };
 

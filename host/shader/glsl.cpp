@@ -87,7 +87,7 @@ std::string firstError(const std::string& log, const std::string& path) {
 
 }  // namespace
 
-Spirv compileGlsl(const std::string& path) {
+Spirv compileGlsl(const std::string& path, const std::string& preamble) {
   static const GlslangProcess process;
   constexpr EShMessages kRules = EShMessages(EShMsgSpvRules | EShMsgVulkanRules);
 
@@ -100,6 +100,7 @@ Spirv compileGlsl(const std::string& path) {
 
   glslang::TShader shader(EShLangCompute);
   shader.setStringsWithLengthsAndNames(&text, &length, &name, 1);
+  shader.setPreamble(preamble.c_str());
   shader.setEnvInput(glslang::EShSourceGlsl, EShLangCompute, glslang::EShClientVulkan, 120);
   shader.setEnvClient(glslang::EShClientVulkan, glslang::EShTargetVulkan_1_2);
   shader.setEnvTarget(glslang::EShTargetSpv, glslang::EShTargetSpv_1_5);

@@ -12,8 +12,9 @@ struct Spirv {
   std::vector<std::string> files;  // read on the way: the shader first, then its includes in order
 };
 
-// Compiles a compute shader for Vulkan 1.2; #include "..." is looked for beside the including file.
+// Compiles a compute shader for Vulkan 1.2; #include "..." is looked for beside the including file. `preamble` is read
+// before its first line, which it does not move: "#define NAME value" lines.
 // Throws InputError with the compiler's first error as "file:line: error: ...".
-Spirv compileGlsl(const std::string& path);
+Spirv compileGlsl(const std::string& path, const std::string& preamble = {});
 
 }  // namespace turner

@@ -175,13 +175,26 @@ Device::Device(const DeviceInfo& info) : info_(info) {
   timestampBits_ = physical_->getQueueFamilyProperties()[queueFamily_].timestampValidBits;
   debugNames_ = instance_.hasDebugNames();
 
+  constexpr auto kTexelRows = vk::FormatFeatureFlagBits::eStorageTexelBuffer;
+  const vk::FormatProperties format = physical_->getFormatProperties(vk::Format::eR32G32B32A32Uint);
+  texelRows_ =
+      (format.bufferFeatures & kTexelRows) == kTexelRows && limits_.maxPerStageDescriptorStorageImages >= kRowArrays;
+  const auto features =
+      physical_->getFeatures2<vk::PhysicalDeviceFeatures2, vk::PhysicalDeviceBufferDeviceAddressFeatures>();
+  addresses_ = features.get<vk::PhysicalDeviceBufferDeviceAddressFeatures>().bufferDeviceAddress;
+
   const float priority = 1;
   const vk::DeviceQueueCreateInfo queue({}, queueFamily_, 1, &priority);
-  device_.emplace(*physical_, vk::DeviceCreateInfo({}, queue));
+  const vk::PhysicalDeviceBufferDeviceAddressFeatures addressFeature(addresses_);
+  device_.emplace(*physical_, vk::DeviceCreateInfo({}, queue, {}, {}, {}, &addressFeature));
   queue_.emplace(*device_, queueFamily_, 0);
   commandPool_.emplace(*device_, vk::CommandPoolCreateInfo(vk::CommandPoolCreateFlagBits::eTransient, queueFamily_));
   if (timestampBits_ > 0) timestamps_.emplace(*device_, vk::QueryPoolCreateInfo({}, vk::QueryType::eTimestamp, 2));
   name(*queue_, "compute queue");
+}
+
+bool Device::canFetch(Fetch fetch) const {
+  return fetch == Fetch::texels ? texelRows_ : fetch == Fetch::addresses ? addresses_ : true;
 }
 
 // --- buffers --------------------------------------------------------------------------------------------------------
@@ -191,9 +204,14 @@ Buffer Device::makeBuffer(vk::DeviceSize size, vk::BufferUsageFlags usage, vk::M
   Buffer result;
   result.size = std::max<vk::DeviceSize>(size, 16);  // an empty scene has buffers too
   const std::string what = "the buffer of " + bufferName + " needs " + megabytes(result.size);
-  if ((usage & vk::BufferUsageFlagBits::eStorageBuffer) && result.size > limits_.maxStorageBufferRange)
+  const bool byAddress = bool(usage & vk::BufferUsageFlagBits::eShaderDeviceAddress);
+  if ((usage & vk::BufferUsageFlagBits::eStorageBuffer) && !byAddress && result.size > limits_.maxStorageBufferRange)
     throw InputError(what + ", more than the device " + info_.name + " can bind (" +
                      megabytes(limits_.maxStorageBufferRange) + ")");
+  const vk::DeviceSize texels = vk::DeviceSize(limits_.maxTexelBufferElements) * kRowBytes;
+  if ((usage & vk::BufferUsageFlagBits::eStorageTexelBuffer) && result.size > texels)
+    throw InputError(what + ", more than the device " + info_.name + " can fetch as texels (" + megabytes(texels) +
+                     ")");
   if (result.size > maxAllocation_)
     throw InputError(what + ", more than the device " + info_.name + " can allocate at once (" +
                      megabytes(maxAllocation_) + ")");
@@ -207,15 +225,17 @@ Buffer Device::makeBuffer(vk::DeviceSize size, vk::BufferUsageFlags usage, vk::M
       if ((needs.memoryTypeBits >> i & 1) && (memory.memoryTypes[i].propertyFlags & wanted) == wanted) type = i;
   }
   if (!type) throw RunError("the device " + info_.name + " has no memory type for the buffer of " + bufferName);
+  const vk::MemoryAllocateFlagsInfo addressable(vk::MemoryAllocateFlagBits::eDeviceAddress);
   try {
-    result.memory.emplace(*device_, vk::MemoryAllocateInfo(needs.size, *type));
+    result.memory.emplace(*device_, vk::MemoryAllocateInfo(needs.size, *type, byAddress ? &addressable : nullptr));
   } catch (const vk::OutOfDeviceMemoryError&) {
     throw RunError("out of device memory: " + what);
   } catch (const vk::OutOfHostMemoryError&) {
     throw RunError("out of memory: " + what);
   }
   result.buffer->bindMemory(**result.memory, 0);
-  if (required & vk::MemoryPropertyFlagBits::eHostVisible)
+  constexpr auto kReachable = vk::MemoryPropertyFlagBits::eHostVisible | vk::MemoryPropertyFlagBits::eHostCoherent;
+  if ((memory.memoryTypes[*type].propertyFlags & kReachable) == kReachable)
     result.mapped = static_cast<std::byte*>(result.memory->mapMemory(0, VK_WHOLE_SIZE));
   name(*result.buffer, bufferName);
   name(*result.memory, "memory of " + bufferName);
@@ -237,13 +257,43 @@ Buffer Device::hostBuffer(vk::DeviceSize size, const std::string& bufferName) co
 
 Buffer Device::upload(std::span<const std::byte> bytes, const std::string& bufferName) const {
   Buffer target = storageBuffer(bytes.size(), bufferName);
-  if (bytes.empty()) return target;
-  const Buffer staging = hostBuffer(bytes.size(), "staging of " + bufferName);
-  std::memcpy(staging.mapped, bytes.data(), bytes.size());
-  run([&](vk::raii::CommandBuffer& commands) {
-    commands.copyBuffer(**staging.buffer, **target.buffer, vk::BufferCopy(0, 0, bytes.size()));
-  });
+  fill(target, bytes, bufferName);
   return target;
+}
+
+Buffer Device::uploadRows(std::span<const std::byte> bytes, Fetch fetch, const std::string& bufferName) const {
+  using Usage = vk::BufferUsageFlagBits;
+  const vk::BufferUsageFlags usage = fetch == Fetch::texels      ? Usage::eStorageTexelBuffer
+                                     : fetch == Fetch::addresses ? Usage::eStorageBuffer | Usage::eShaderDeviceAddress
+                                                                 : vk::BufferUsageFlags(Usage::eStorageBuffer);
+  Buffer target =
+      makeBuffer(bytes.size(), usage | Usage::eTransferDst, {}, vk::MemoryPropertyFlagBits::eDeviceLocal, bufferName);
+  fill(target, bytes, bufferName);
+  if (fetch == Fetch::texels) {
+    target.texels.emplace(
+        *device_, vk::BufferViewCreateInfo({}, **target.buffer, vk::Format::eR32G32B32A32Uint, 0, VK_WHOLE_SIZE));
+    name(*target.texels, bufferName);
+  }
+  if (fetch == Fetch::addresses) target.address = device_->getBufferAddress({**target.buffer});
+  return target;
+}
+
+void Device::fill(const Buffer& target, std::span<const std::byte> bytes, const std::string& bufferName) const {
+  if (bytes.empty()) return;
+  // Memory that the host reaches too needs no copy of its content beside it.
+  if (target.mapped) {
+    std::memcpy(target.mapped, bytes.data(), bytes.size());
+    return;
+  }
+  constexpr size_t kPiece = 64 << 20;
+  const Buffer staging = hostBuffer(std::min(bytes.size(), kPiece), "staging of " + bufferName);
+  for (size_t done = 0; done < bytes.size(); done += kPiece) {
+    const size_t piece = std::min(kPiece, bytes.size() - done);
+    std::memcpy(staging.mapped, bytes.data() + done, piece);
+    run([&](vk::raii::CommandBuffer& commands) {
+      commands.copyBuffer(**staging.buffer, **target.buffer, vk::BufferCopy(0, done, piece));
+    });
+  }
 }
 
 // --- running --------------------------------------------------------------------------------------------------------

@@ -11,6 +11,7 @@
 #include <vulkan/vulkan_raii.hpp>
 
 #include "shader/devices.h"
+#include "shader/fetch.h"
 
 namespace turner {
 
@@ -37,7 +38,9 @@ struct Buffer {
   vk::DeviceSize size = 0;
   std::optional<vk::raii::DeviceMemory> memory;  // before the buffer: destroyed after it
   std::optional<vk::raii::Buffer> buffer;
-  std::byte* mapped = nullptr;  // host-visible buffers stay mapped
+  std::byte* mapped = nullptr;                 // host-visible buffers stay mapped
+  std::optional<vk::raii::BufferView> texels;  // of rows, where the kernel fetches texels
+  vk::DeviceAddress address = 0;               // where it fetches by address
 };
 
 class Device {
@@ -50,14 +53,17 @@ class Device {
   const vk::PhysicalDeviceLimits& limits() const { return limits_; }
   bool isCpu() const { return info_.type == "CPU"; }
   uint32_t subgroupSize() const { return subgroupSize_; }
+  bool canFetch(Fetch fetch) const;
 
   // A storage buffer on the device. Throws InputError when it exceeds a limit of the device, RunError when the memory
   // is exhausted; both name the buffer and its size.
   Buffer storageBuffer(vk::DeviceSize size, const std::string& name) const;
   // A buffer that host and device both reach, coherent.
   Buffer hostBuffer(vk::DeviceSize size, const std::string& name) const;
-  // A storage buffer with this content, by way of a staging buffer.
+  // A storage buffer with this content, written directly or by way of a staging buffer.
   Buffer upload(std::span<const std::byte> bytes, const std::string& name) const;
+  // The same of rows that the kernel fetches in this way.
+  Buffer uploadRows(std::span<const std::byte> bytes, Fetch fetch, const std::string& name) const;
 
   // Records commands, submits them and waits until they are done. Returns the seconds that the device took between the
   // first command and the last, by its timestamps, or by the host's clock where it has none.
@@ -75,6 +81,7 @@ class Device {
  private:
   Buffer makeBuffer(vk::DeviceSize size, vk::BufferUsageFlags usage, vk::MemoryPropertyFlags required,
                     vk::MemoryPropertyFlags preferred, const std::string& name) const;
+  void fill(const Buffer& target, std::span<const std::byte> bytes, const std::string& name) const;
 
   DeviceInfo info_;
   Instance instance_;
@@ -84,6 +91,7 @@ class Device {
   uint32_t queueFamily_ = 0;
   uint32_t timestampBits_ = 0;
   uint32_t subgroupSize_ = 1;
+  bool texelRows_ = false, addresses_ = false;  // what canFetch knows
   bool debugNames_ = false;
   std::optional<vk::raii::Device> device_;
   std::optional<vk::raii::Queue> queue_;

@@ -44,13 +44,6 @@ glm::vec3 roundedUp(const glm::dvec3& v) {
   return -roundedDown(-v);
 }
 
-uint reference(const BvhChild& child, uint sphereCount) {
-  if (child.count == 0) return child.first;
-  const bool triangles = child.first >= sphereCount;
-  return gpu::kRefLeaf | (triangles ? gpu::kRefTriangle : 0) | ((child.count - 1) << gpu::kRefCountShift) |
-         (triangles ? child.first - sphereCount : child.first);
-}
-
 struct Plane {
   glm::dvec3 normal;  // unit, on the counter-clockwise side
   double offset;      // N.x of its points
@@ -83,6 +76,87 @@ gpu::Triangle packTriangle(const Triangle& triangle, uint id) {
   return {row(a, id), row(b, triangle.material), row(c, triangle.normals), row(plane->normal, plane->offset)};
 }
 
+uint leafReference(const BvhChild& leaf, std::span<const uint> references) {
+  return gpu::kRefLeaf | ((leaf.count - 1) << gpu::kRefCountShift) | references[leaf.first];
+}
+
+// The least power of two of which 255 reach over a distance, as the exponent byte of a float.
+uint planeExponent(double distance) {
+  const int exponent = distance > 0 ? std::ilogb(distance / 255) + 1 : -126;
+  return uint(std::clamp(exponent, -126, 127) + 127);
+}
+
+// A node in the kernel's form: its planes in bytes, rounded outward; all of it exact in double.
+gpu::Node packNode(const Bvh::Node& node, std::span<const uint> references) {
+  // A leaf comes first, so that the kernel finds an inner child next to its parent.
+  const bool swapped = node.children[0].count == 0 && node.children[1].count > 0;
+  const BvhChild& first = node.children[swapped ? 1 : 0];
+  const BvhChild& second = node.children[swapped ? 0 : 1];
+  const glm::dvec3 lo = glm::min(first.box.lo, second.box.lo), hi = glm::max(first.box.hi, second.box.hi);
+
+  uint exponents = 0;
+  uint planes[3];
+  for (int k = 0; k < 3; ++k) {
+    const uint exponent = planeExponent(hi[k] - lo[k]);
+    const double scale = std::ldexp(1.0, int(exponent) - 127);
+    const auto down = [&](float plane) { return uint(std::floor((double(plane) - lo[k]) / scale)); };
+    const auto up = [&](float plane) { return uint(std::ceil((double(plane) - lo[k]) / scale)); };
+    planes[k] =
+        down(first.box.lo[k]) | up(first.box.hi[k]) << 8 | down(second.box.lo[k]) << 16 | up(second.box.hi[k]) << 24;
+    exponents |= exponent << (8 * k);
+  }
+
+  uint reference = second.first, tags = 0;
+  if (first.count > 0) {
+    reference = leafReference(first, references);
+    tags = 1;
+  }
+  if (second.count > 0) {
+    const uint place = references[second.first];
+    const uint behind = (place & gpu::kRefPlaceMask) - (reference & gpu::kRefPlaceMask);
+    tags = 3 | (second.count - 1) << 2 | (place & gpu::kRefTriangle ? 1u << 4 : 0u) | (behind - 1) << 5;
+  }
+  return {
+      {float(lo.x), float(lo.y), float(lo.z), exponents | tags << 24},
+      {std::bit_cast<float>(planes[0]), std::bit_cast<float>(planes[1]), std::bit_cast<float>(planes[2]), reference}};
+}
+
+// The part of each face of the eye's cube that the picture's rays go through: its crop, clipped to the face.
+std::array<FaceWindow, 6> viewWindows(const Camera& camera, const RenderSettings& settings) {
+  const CameraBasis basis = cameraBasis(camera);
+  const double pixel = 2 * basis.tanHalfFov / settings.height;
+  const auto direction = [&](int x, int y) {
+    return basis.forward + pixel * ((x - 0.5 * settings.width) * basis.right - (y - 0.5 * settings.height) * basis.up);
+  };
+  const Window& crop = settings.crop;
+  std::array<FaceWindow, 6> windows;
+  for (int face = 0; face < 6; ++face) {
+    const int axis = face / 2, a = (axis + 1) % 3, b = (axis + 2) % 3;
+    const double sign = face % 2 ? -1 : 1;
+    std::vector<glm::dvec3> polygon = {direction(crop.x0, crop.y0), direction(crop.x1, crop.y0),
+                                       direction(crop.x1, crop.y1), direction(crop.x0, crop.y1)};
+    // Keep what lies within |u| <= 1 and |v| <= 1, plane by plane (Sutherland, Hodgman 1974), with room for rounding.
+    for (const auto& [component, side] : {std::pair{a, 1.0}, {a, -1.0}, {b, 1.0}, {b, -1.0}}) {
+      const auto inside = [&](const glm::dvec3& d) { return (1 + 1e-6) * sign * d[axis] - side * d[component]; };
+      std::vector<glm::dvec3> kept;
+      for (size_t i = 0; i < polygon.size(); ++i) {
+        const glm::dvec3 &p = polygon[i], &q = polygon[(i + 1) % polygon.size()];
+        const double ip = inside(p), iq = inside(q);
+        if (ip >= 0) kept.push_back(p);
+        if ((ip < 0) != (iq < 0)) kept.push_back(p + (ip / (ip - iq)) * (q - p));
+      }
+      polygon = std::move(kept);
+    }
+    FaceWindow& window = windows[size_t(face)];
+    window = {1, -1, 1, -1};
+    for (const glm::dvec3& d : polygon) {
+      const double u = d[a] / d[axis], v = d[b] / d[axis];
+      window = {std::min(window.uLo, u), std::max(window.uHi, u), std::min(window.vLo, v), std::max(window.vHi, v)};
+    }
+  }
+  return windows;
+}
+
 Features featuresOf(const Scene& scene) {
   Features features;
   features.lights = uint32_t(scene.lights.size());
@@ -109,8 +183,8 @@ Features featuresOf(const Scene& scene) {
 }  // namespace
 
 size_t PackedScene::bytes() const {
-  return nodes.size() * sizeof(gpu::Node) + spheres.size() * sizeof(gpu::Sphere) +
-         triangles.size() * sizeof(gpu::Triangle) + vertexNormals.size() * sizeof(gpu::VertexNormals);
+  return nodes.size() * sizeof(gpu::Node) + (primitives.size() + cubes.size()) * sizeof(gpu::Row) +
+         vertexNormals.size() * sizeof(gpu::VertexNormals);
 }
 
 std::vector<Box> primitiveBoxes(const Scene& local) {
@@ -132,20 +206,24 @@ std::vector<Box> primitiveBoxes(const Scene& local) {
   const double extent = exact.empty() ? 0 : std::max({size.x, size.y, size.z});
 
   // A primitive test moves vertices by up to a rounding of their distance to the ray's origin, which is up to the
-  // scene's extent; the slab test moves planes by a rounding of their coordinates. Four roundings of each cover both.
+  // scene's extent; the test of a node's planes (origin + byte * scale, all in units of the ray) moves them by up to
+  // five. Eight roundings of each cover both, and the ray that the list of a light is made for instead of the rounded
+  // one.
   std::vector<Box> boxes;
   boxes.reserve(exact.size());
   for (const Bounds& bounds : exact) {
-    const glm::dvec3 pad = 0x1p-22 * (glm::max(glm::abs(bounds.lo), glm::abs(bounds.hi)) + extent);
+    const glm::dvec3 pad = 0x1p-21 * (glm::max(glm::abs(bounds.lo), glm::abs(bounds.hi)) + extent);
     boxes.push_back({roundedDown(bounds.lo - pad), roundedUp(bounds.hi + pad)});
   }
   return boxes;
 }
 
-PackedScene packScene(const Scene& local, const Bvh& bvh) {
-  const size_t most = gpu::kMaxPrimitivesOfAKind;
-  if (local.spheres.size() > most || local.triangles.size() > most)
-    throw InputError("the scene has more than " + std::to_string(most) + " spheres or triangles");
+PackedScene packScene(const Scene& local, const Bvh& bvh, std::span<const Box> boxes, const RenderSettings& settings,
+                      Cubes cubes) {
+  const size_t sphereCount = local.spheres.size();
+  if (sphereCount + 2 * local.triangles.size() > gpu::kMaxUnits)
+    throw InputError("the scene has more spheres and triangles than the kernel can number: " +
+                     std::to_string(sphereCount + local.triangles.size()));
   if (bvh.depth > int(gpu::kMaxTreeDepth))
     throw RunError("the tree is " + std::to_string(bvh.depth) + " nodes deep, more than the kernel's stack holds");
 
@@ -153,36 +231,32 @@ PackedScene packScene(const Scene& local, const Bvh& bvh) {
   packed.features = featuresOf(local);
   packed.view = {local.camera, local.background};
   packed.treeDepth = bvh.depth;
+  packed.primitiveCount = bvh.order.size();
 
-  // Leaves name runs of one kind: number both kinds by themselves, each in the order of the leaves.
-  const uint sphereCount = uint(local.spheres.size());
-  std::vector<uint> place(bvh.order.size());  // of an entry of `order` among its kind
-  packed.spheres.reserve(local.spheres.size());
-  packed.triangles.reserve(local.triangles.size());
+  std::vector<uint> references(bvh.order.size());  // kind and place of each primitive, in the order of the leaves
+  packed.primitives.reserve(gpu::kUnitRows * (sphereCount + 2 * local.triangles.size() + 1));
+  const auto append = [&](const auto& primitive) {
+    const auto rows = std::bit_cast<std::array<Row, sizeof primitive / sizeof(Row)>>(primitive);
+    packed.primitives.insert(packed.primitives.end(), rows.begin(), rows.end());
+  };
   for (size_t i = 0; i < bvh.order.size(); ++i) {
-    const uint id = bvh.order[i];
+    const uint id = bvh.order[i], place = uint(packed.primitives.size() / gpu::kUnitRows);
     if (id < sphereCount) {
-      place[i] = uint(packed.spheres.size());
+      references[i] = place;
       const Sphere& sphere = local.spheres[id];
-      packed.spheres.push_back(
-          {row(sphere.center, sphere.radius), {std::bit_cast<float>(id), std::bit_cast<float>(sphere.material), 0, 0}});
+      append(gpu::Sphere{row(sphere.center, sphere.radius),
+                         {std::bit_cast<float>(id), std::bit_cast<float>(sphere.material), 0, 0}});
     } else {
-      place[i] = sphereCount + uint(packed.triangles.size());
-      const Triangle& triangle = local.triangles[id - sphereCount];
-      packed.triangles.push_back(packTriangle(triangle, id));
+      references[i] = gpu::kRefTriangle | place;
+      append(packTriangle(local.triangles[id - sphereCount], id));
     }
   }
-  const auto packedReference = [&](BvhChild child) {
-    if (child.count > 0) child.first = place[child.first];
-    return reference(child, sphereCount);
-  };
+  // The kernel may look for the rest of a triangle behind a last sphere.
+  packed.primitives.insert(packed.primitives.end(), gpu::kUnitRows, Row{});
+
   packed.nodes.reserve(bvh.nodes.size());
-  for (const Bvh::Node& node : bvh.nodes) {
-    const auto& [a, b] = node.children;
-    packed.nodes.push_back(
-        {row(a.box.lo, packedReference(a)), row(a.box.hi, packedReference(b)), row(b.box.lo), row(b.box.hi)});
-  }
-  if (!bvh.order.empty()) packed.view.root = packedReference(bvh.root);
+  for (const Bvh::Node& node : bvh.nodes) packed.nodes.push_back(packNode(node, references));
+  if (!bvh.order.empty()) packed.view.root = bvh.root.count > 0 ? leafReference(bvh.root, references) : bvh.root.first;
 
   for (const auto& [a, b, c] : local.normals) packed.vertexNormals.push_back({row(a), row(b), row(c)});
   for (const Material& material : local.materials)
@@ -190,6 +264,24 @@ PackedScene packScene(const Scene& local, const Bvh& bvh) {
                                 row({material.shininess, material.ior, material.localWeight})});
   for (const Light& light : local.lights)
     packed.lights.push_back({row(light.position, uint(light.falloff == Falloff::inverseSquare)), row(light.color)});
+
+  // Eye rays share their walk with reflected and refracted ones, which begin at the root.
+  const size_t eyeRays = settings.crop.area() * size_t(settings.samples) * size_t(settings.samples);
+  const bool secondary = packed.features.reflection || packed.features.refraction;
+  std::vector<CubePoint> points = {{.position = {0, 0, 0},
+                                    .windows = viewWindows(local.camera, settings),
+                                    .rays = eyeRays,
+                                    .kernelWalk = 0,
+                                    .walkMeetsNodes = secondary}};
+  for (const Light& light : local.lights)
+    points.push_back({.position = light.position, .rays = eyeRays, .kernelWalk = 1});
+  const CubeTree tree{bvh, boxes, references, [&](uint32_t id) {
+                        return id < sphereCount ? nullptr : &local.triangles[id - sphereCount].vertices;
+                      }};
+  DirectionCubes built = cubes == Cubes::lists ? buildDirectionCubes(points, tree) : wholeTreeCubes(points, tree);
+  packed.cubes = std::move(built.rows);
+  packed.features.nearestNodes = built.meetsNodes[0];
+  packed.features.shadowNodes = !local.lights.empty() && built.meetsNodes[1];
   return packed;
 }
 

@@ -7,6 +7,7 @@
 #include "picture/settings.h"
 #include "scene/scene.h"
 #include "shader/bvh.h"
+#include "shader/direction_cube.h"
 #include "shader/round_scene.h"
 
 namespace turner {
@@ -16,6 +17,7 @@ struct Features {
   uint32_t lights = 0;
   bool spheres = false, triangles = false, smoothNormals = false, highlights = false;
   bool reflection = false, refraction = false, falloff = false;
+  bool nearestNodes = false, shadowNodes = false;  // whether walks meet nodes, or primitives alone
 };
 
 // What all rays see.
@@ -27,25 +29,30 @@ struct View {
 
 struct PackedScene {
   std::vector<gpu::Node> nodes;
-  std::vector<gpu::Sphere> spheres;
-  std::vector<gpu::Triangle> triangles;
+  std::vector<gpu::Row> primitives;  // gpu::Sphere and gpu::Triangle, in the order of the leaves
   std::vector<gpu::VertexNormals> vertexNormals;
   std::vector<gpu::Material> materials;
   std::vector<gpu::Light> lights;
+  std::vector<gpu::Row> cubes;  // of the eye and of each light
   View view;
   Features features;
   int treeDepth = 0;
-  size_t primitives() const { return spheres.size() + triangles.size(); }
-  size_t bytes() const;  // of geometry and tree on the device
+  size_t primitiveCount = 0;
+  size_t bytes() const;  // of geometry, tree and cubes on the device
 };
 
 // The boxes that the tree is built over: spheres, then triangles, of a scene from roundScene. Padded outward, so that
 // a ray which hits a primitive by the kernel's arithmetic enters its box by the kernel's arithmetic.
 std::vector<Box> primitiveBoxes(const Scene& local);
 
-// `local` comes from roundScene, `bvh` from its primitiveBoxes. Throws InputError if there are more primitives than a
-// reference can name; RunError if the tree is deeper than the kernel's stack.
-PackedScene packScene(const Scene& local, const Bvh& bvh);
+// How rays through the eye and the lights begin: along lists that are made for them, or at the root as all others do.
+enum class Cubes { lists, wholeTree };
+
+// `local` comes from roundScene, `bvh` from its primitiveBoxes. The settings tell how many rays will come through the
+// eye, and where; they do not change the picture. Throws InputError if there are more primitives than a reference can
+// name; RunError if the tree is deeper than the kernel's stack.
+PackedScene packScene(const Scene& local, const Bvh& bvh, std::span<const Box> boxes, const RenderSettings& settings,
+                      Cubes cubes = Cubes::lists);
 
 // What the kernel needs of the view and the settings.
 gpu::Frame packFrame(const View& view, const RenderSettings& settings, uint32_t deviceThreads);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <chrono>
 #include <cstring>
 #include <thread>
@@ -23,6 +24,10 @@ double secondsSince(Clock::time_point start) {
 // A dispatch should take about this long: below any watchdog (2 s on Windows, 5 s and more on Linux) and short enough
 // for progress and Ctrl-C, long enough to be worth its submission.
 constexpr double kLongDispatch = 0.2, kShortDispatch = 0.05;  // seconds
+
+// The rows from kStateRays on that hold counts.
+constexpr uint kCounterRows = 3;
+static_assert(gpu::kStateNodes == gpu::kStateRays + 1 && gpu::kStatePrimitives == gpu::kStateRays + 2);
 
 // Most bytes of invocation state at a time.
 constexpr vk::DeviceSize kStateBytes = 256 << 20;
@@ -55,16 +60,28 @@ struct Pipeline {
   vk::raii::Pipeline pipeline;
 };
 
-vk::raii::DescriptorSetLayout makeSetLayout(const Device& device) {
-  std::array<vk::DescriptorSetLayoutBinding, gpu::kBindCount> bindings;
-  for (uint i = 0; i < gpu::kBindCount; ++i)
-    bindings[i] = {i, vk::DescriptorType::eStorageBuffer, 1, vk::ShaderStageFlagBits::eCompute};
+static_assert(gpu::kBindCount - gpu::kBindNodes == kRowArrays && sizeof(gpu::Row) == kRowBytes);
+
+// By address the kernel has no bindings for rows.
+vk::DescriptorType bindingType(uint binding, Fetch fetch) {
+  return binding >= gpu::kBindNodes && fetch == Fetch::texels ? vk::DescriptorType::eStorageTexelBuffer
+                                                              : vk::DescriptorType::eStorageBuffer;
+}
+uint bindingCount(Fetch fetch) {
+  return fetch == Fetch::addresses ? gpu::kBindNodes : gpu::kBindCount;
+}
+
+vk::raii::DescriptorSetLayout makeSetLayout(const Device& device, Fetch fetch) {
+  std::vector<vk::DescriptorSetLayoutBinding> bindings;
+  for (uint i = 0; i < bindingCount(fetch); ++i)
+    bindings.push_back({i, bindingType(i, fetch), 1, vk::ShaderStageFlagBits::eCompute});
   return {device.vulkan(), vk::DescriptorSetLayoutCreateInfo({}, bindings)};
 }
 
 Pipeline makePipeline(const Device& device, const Spirv& kernel, const Features& features,
-                      const RenderSettings& settings, const Dispatching& dispatching, uint workGroup, bool counters) {
-  std::array<uint, gpu::kSpecSteps + 1> constants{};
+                      const RenderSettings& settings, Fetch fetch, uint workGroup, uint budget, bool counters,
+                      bool fresh) {
+  std::array<uint, gpu::kSpecCount> constants{};
   constants[gpu::kSpecWorkGroup] = workGroup;
   constants[gpu::kSpecDepth] = uint(settings.depth);
   constants[gpu::kSpecSamples] = uint(settings.samples);
@@ -78,14 +95,16 @@ Pipeline makePipeline(const Device& device, const Spirv& kernel, const Features&
   constants[gpu::kSpecFalloff] = features.falloff;
   constants[gpu::kSpecJitter] = settings.sampler == Sampler::jitter;
   constants[gpu::kSpecCounters] = counters;
-  constants[gpu::kSpecSegments] = dispatching.segments;
-  constants[gpu::kSpecSteps] = dispatching.steps;
+  constants[gpu::kSpecNearestNodes] = features.nearestNodes;
+  constants[gpu::kSpecShadowNodes] = features.shadowNodes;
+  constants[gpu::kSpecBudget] = budget;
+  constants[gpu::kSpecFresh] = fresh;
   std::array<vk::SpecializationMapEntry, constants.size()> entries;
   for (uint i = 0; i < entries.size(); ++i)
     entries[i] = vk::SpecializationMapEntry(i, uint(i * sizeof(uint)), sizeof(uint));
   const vk::SpecializationInfo specialization(uint(entries.size()), entries.data(), sizeof constants, constants.data());
 
-  Pipeline result{makeSetLayout(device), nullptr, nullptr};
+  Pipeline result{makeSetLayout(device, fetch), nullptr, nullptr};
   const vk::PushConstantRange tile(vk::ShaderStageFlagBits::eCompute, 0, sizeof(gpu::Tile));
   result.layout = {device.vulkan(), vk::PipelineLayoutCreateInfo({}, *result.setLayout, tile)};
   const vk::raii::ShaderModule module(device.vulkan(), vk::ShaderModuleCreateInfo({}, kernel.words));
@@ -93,7 +112,7 @@ Pipeline makePipeline(const Device& device, const Spirv& kernel, const Features&
                                                 &specialization);
   result.pipeline = {device.vulkan(), nullptr, vk::ComputePipelineCreateInfo({}, stage, *result.layout)};
   device.name(module, "whitted.comp");
-  device.name(result.pipeline, counters ? "whitted, counting rays" : "whitted");
+  device.name(result.pipeline, std::string("whitted") + (fresh ? "" : ", resumed") + (counters ? ", counting" : ""));
   throwIfInvalid();
   return result;
 }
@@ -123,24 +142,42 @@ Progress tileProgress(const Progress& progress, size_t pixelsBefore, size_t pixe
 
 }  // namespace
 
+// The way of fetching that suits a device.
+Fetch chooseFetch(const Device& device, Fetch wanted) {
+  if (wanted == Fetch::automatic)
+    return device.isCpu() && device.canFetch(Fetch::texels)       ? Fetch::texels
+           : !device.isCpu() && device.canFetch(Fetch::addresses) ? Fetch::addresses
+                                                                  : Fetch::buffers;
+  if (!device.canFetch(wanted))
+    throw InputError("the device " + device.info().name + " cannot fetch rows as " + fetchName(wanted));
+  return wanted;
+}
+
 struct ShaderRenderer::Parts {
   Device device;
+  Fetch fetch;
   Features features;
   View view;
-  Buffer nodes, spheres, triangles, vertexNormals, materials, lights;
+  std::array<Buffer, kRowArrays> rows;  // from gpu::kBindNodes on
   // Work-groups in one dispatch: follows the measured times, from one tile to the next.
   uint groupsPerDispatch = 64;
 
-  explicit Parts(const DeviceInfo& info) : device(info) {
+  Parts(const DeviceInfo& info, Fetch wanted) : device(info), fetch(chooseFetch(device, wanted)) {
     const uint bindings = device.limits().maxPerStageDescriptorStorageBuffers;
-    if (bindings < gpu::kBindCount)
+    const uint needed = fetch == Fetch::buffers ? gpu::kBindCount : gpu::kBindNodes;
+    if (bindings < needed)
       throw RunError("the device " + info.name + " binds " + std::to_string(bindings) +
-                     " storage buffers; turner needs " + std::to_string(gpu::kBindCount));
+                     " storage buffers; turner needs " + std::to_string(needed));
   }
 
   uint threads() const { return device.isCpu() ? std::max(1u, std::thread::hardware_concurrency()) : 1; }
   int tileSide(const Dispatching& dispatching, int depth) const;
   uint workGroupSize(int wanted) const;
+  // lavapipe's limiter counts what any lane of a subgroup does; see kIterations in layout.h.
+  uint budget(const Dispatching& dispatching) const {
+    if (dispatching.budget > 0) return std::max(dispatching.budget, kLeastBudget);
+    return device.isCpu() ? gpu::kIterations / device.subgroupSize() : gpu::kIterations;
+  }
 
   struct Passes;
 };
@@ -149,22 +186,32 @@ struct ShaderRenderer::Parts {
 struct ShaderRenderer::Parts::Passes {
   Parts& parts;
   const Device& device;
+  const Spirv& kernel;
+  const RenderSettings& settings;
+  const Dispatching& dispatching;
+  bool counters;
   uint workGroup, samplesInPixel;
-  Pipeline pipeline;
+  Pipeline fresh;                   // of the first pass over a tile
+  std::optional<Pipeline> resumed;  // of those that take up its work; made when it is first needed
   Buffer frame, state, pixels, status, hostPixels, hostStatus;
   std::optional<vk::raii::DescriptorPool> pool;
   std::optional<vk::raii::DescriptorSet> set;
   std::vector<gpu::Tile> tiles;
-  double traceSeconds = 0;
+  double traceSeconds = 0, resumedCompileSeconds = 0;
 
   Passes(Parts& parts, const Spirv& kernel, const RenderSettings& settings, const Dispatching& dispatching,
          bool counters);
-  void warmUp();
+  void warmUp(const Pipeline& pipeline);
   void traceTile(gpu::Tile tile, const Progress& progress);
 
  private:
   void bind();
-  void record(const vk::raii::CommandBuffer& commands, const gpu::Tile& tile) const;
+  Pipeline make(bool isFresh) const {
+    return makePipeline(device, kernel, parts.features, settings, parts.fetch, workGroup, parts.budget(dispatching),
+                        counters, isFresh);
+  }
+  const Pipeline& resumedPipeline();
+  void record(const vk::raii::CommandBuffer& commands, const Pipeline& pipeline, const gpu::Tile& tile) const;
   gpu::Status readStatus() const;
 };
 
@@ -189,13 +236,17 @@ uint ShaderRenderer::Parts::workGroupSize(int wanted) const {
   return std::min(most, (uint(wanted) + subgroup - 1) / subgroup * subgroup);
 }
 
-ShaderRenderer::Parts::Passes::Passes(Parts& owner, const Spirv& kernel, const RenderSettings& settings,
-                                      const Dispatching& dispatching, bool counters)
+ShaderRenderer::Parts::Passes::Passes(Parts& owner, const Spirv& spirv, const RenderSettings& wanted,
+                                      const Dispatching& cut, bool counting)
     : parts(owner),
       device(owner.device),
+      kernel(spirv),
+      settings(wanted),
+      dispatching(cut),
+      counters(counting),
       workGroup(owner.workGroupSize(dispatching.workGroup)),
       samplesInPixel(uint(settings.samples * settings.samples)),
-      pipeline(makePipeline(owner.device, kernel, owner.features, settings, dispatching, workGroup, counters)) {
+      fresh(make(true)) {
   const int side = parts.tileSide(dispatching, settings.depth);
   tiles = cutIntoTiles(settings.crop, side);
   uint slots = 0, area = 0;
@@ -203,47 +254,53 @@ ShaderRenderer::Parts::Passes::Passes(Parts& owner, const Spirv& kernel, const R
     slots = std::max(slots, tile.slots);
     area = std::max(area, tile.width * tile.height);
   }
-  const std::vector<gpu::Frame> frames = {packFrame(parts.view, settings, parts.threads())};
+  std::vector<gpu::Frame> frames = {packFrame(parts.view, settings, parts.threads())};
+  for (uint i = 0; i < kRowArrays; ++i) {
+    const uint64_t address = parts.rows[i].address;
+    frames[0].addresses[i] = {std::bit_cast<float>(uint(address)), std::bit_cast<float>(uint(address >> 32)), 0, 0};
+  }
   frame = device.upload(bytesOf(frames), "frame");
   state =
       device.storageBuffer(vk::DeviceSize(slots) * gpu::stateRows(uint(settings.depth)) * sizeof(gpu::Row), "state");
-  pixels = device.storageBuffer(vk::DeviceSize(area) * 3 * sizeof(float), "pixels");
+  pixels = device.storageBuffer(vk::DeviceSize(area) * sizeof(gpu::Row), "pixels");
   status = device.storageBuffer(sizeof(gpu::Status), "status");
   hostStatus = device.hostBuffer(sizeof(gpu::Status), "status on the host");
   // Reads back the pixels of a tile, or the counts of its invocations.
-  hostPixels = device.hostBuffer(std::max<vk::DeviceSize>(pixels.size, counters ? slots * sizeof(gpu::Row) : 0),
-                                 "pixels on the host");
+  hostPixels =
+      device.hostBuffer(std::max<vk::DeviceSize>(pixels.size, counters ? kCounterRows * slots * sizeof(gpu::Row) : 0),
+                        "pixels on the host");
   bind();
 }
 
 void ShaderRenderer::Parts::Passes::bind() {
-  const vk::DescriptorPoolSize size(vk::DescriptorType::eStorageBuffer, gpu::kBindCount);
+  const uint count = bindingCount(parts.fetch);
+  const vk::DescriptorPoolSize sizes[] = {{vk::DescriptorType::eStorageBuffer, gpu::kBindCount},
+                                          {vk::DescriptorType::eStorageTexelBuffer, kRowArrays}};
   pool.emplace(device.vulkan(),
-               vk::DescriptorPoolCreateInfo(vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet, 1, size));
-  vk::raii::DescriptorSets sets(device.vulkan(), vk::DescriptorSetAllocateInfo(**pool, *pipeline.setLayout));
+               vk::DescriptorPoolCreateInfo(vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet, 1, sizes));
+  vk::raii::DescriptorSets sets(device.vulkan(), vk::DescriptorSetAllocateInfo(**pool, *fresh.setLayout));
   set.emplace(std::move(sets[0]));
   std::array<const Buffer*, gpu::kBindCount> buffers{};
   buffers[gpu::kBindFrame] = &frame;
-  buffers[gpu::kBindNodes] = &parts.nodes;
-  buffers[gpu::kBindSpheres] = &parts.spheres;
-  buffers[gpu::kBindTriangles] = &parts.triangles;
-  buffers[gpu::kBindVertexNormals] = &parts.vertexNormals;
-  buffers[gpu::kBindMaterials] = &parts.materials;
-  buffers[gpu::kBindLights] = &parts.lights;
   buffers[gpu::kBindState] = &state;
   buffers[gpu::kBindPixels] = &pixels;
   buffers[gpu::kBindStatus] = &status;
+  for (uint i = 0; i < kRowArrays; ++i) buffers[gpu::kBindNodes + i] = &parts.rows[i];
   std::array<vk::DescriptorBufferInfo, gpu::kBindCount> infos;
-  std::array<vk::WriteDescriptorSet, gpu::kBindCount> writes;
-  for (uint i = 0; i < gpu::kBindCount; ++i) {
+  std::vector<vk::WriteDescriptorSet> writes;
+  for (uint i = 0; i < count; ++i) {
+    vk::WriteDescriptorSet write(**set, i, 0, 1, bindingType(i, parts.fetch));
+    if (write.descriptorType == vk::DescriptorType::eStorageTexelBuffer) write.pTexelBufferView = &**buffers[i]->texels;
     infos[i] = vk::DescriptorBufferInfo(**buffers[i]->buffer, 0, buffers[i]->size);
-    writes[i] = {**set, i, 0, 1, vk::DescriptorType::eStorageBuffer, nullptr, &infos[i]};
+    write.pBufferInfo = &infos[i];
+    writes.push_back(write);
   }
   device.vulkan().updateDescriptorSets(writes, {});
 }
 
 // The work-groups of one dispatch, wrapped into rows where a device takes only so many side by side.
-void ShaderRenderer::Parts::Passes::record(const vk::raii::CommandBuffer& commands, const gpu::Tile& tile) const {
+void ShaderRenderer::Parts::Passes::record(const vk::raii::CommandBuffer& commands, const Pipeline& pipeline,
+                                           const gpu::Tile& tile) const {
   commands.bindPipeline(vk::PipelineBindPoint::eCompute, *pipeline.pipeline);
   commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *pipeline.layout, 0, **set, {});
   commands.pushConstants<gpu::Tile>(*pipeline.layout, vk::ShaderStageFlagBits::eCompute, 0, tile);
@@ -258,43 +315,47 @@ gpu::Status ShaderRenderer::Parts::Passes::readStatus() const {
 }
 
 // Drivers compile at the first dispatch: give them one in which no pixel is inside the tile.
-void ShaderRenderer::Parts::Passes::warmUp() {
+const Pipeline& ShaderRenderer::Parts::Passes::resumedPipeline() {
+  if (!resumed) {
+    const Clock::time_point start = Clock::now();
+    resumed.emplace(make(false));
+    warmUp(*resumed);
+    resumedCompileSeconds = secondsSince(start);
+  }
+  return *resumed;
+}
+
+void ShaderRenderer::Parts::Passes::warmUp(const Pipeline& pipeline) {
   gpu::Tile nothing{};
   nothing.width = 8;  // a row of blocks, of no height
   nothing.slots = 1;
   nothing.groups = 1;
   device.run([&](const vk::raii::CommandBuffer& commands) {
-    commands.fillBuffer(**state.buffer, 0, VK_WHOLE_SIZE, 0);
-    commands.fillBuffer(**status.buffer, 0, VK_WHOLE_SIZE, 0);
     fullBarrier(commands);
-    record(commands, nothing);
+    record(commands, pipeline, nothing);
+    fullBarrier(commands);
   });
 }
 
 // Dispatches a tile again and again until all its pixels are finished.
 void ShaderRenderer::Parts::Passes::traceTile(gpu::Tile tile, const Progress& progress) {
   const uint allGroups = (tile.slots + workGroup - 1) / workGroup;
-  const uint64_t allSamples = uint64_t(tile.width) * tile.height * samplesInPixel;
-  uint64_t samplesBefore = 0;  // finished in earlier passes
-  bool fresh = true;
+  const double allSamples = double(tile.width) * tile.height * samplesInPixel;
+  double waitingBefore = allSamples;  // when this pass began
   gpu::Status last;
-  do {
+  const Pipeline* pipeline = &fresh;
+  for (;;) {
     for (tile.firstGroup = 0; tile.firstGroup < allGroups; tile.firstGroup += tile.groups) {
       tile.groups = std::min(parts.groupsPerDispatch, allGroups - tile.firstGroup);
       const double seconds = device.run([&](const vk::raii::CommandBuffer& commands) {
         fullBarrier(commands);
-        // Cleared state is a pixel not yet begun; what lies behind these rows is written before it is read.
-        if (fresh)
-          commands.fillBuffer(**state.buffer, 0, vk::DeviceSize(tile.slots) * gpu::kStateNodeStack * sizeof(gpu::Row),
-                              0);
         if (tile.firstGroup == 0) commands.fillBuffer(**status.buffer, 0, VK_WHOLE_SIZE, 0);
         fullBarrier(commands);
-        record(commands, tile);
+        record(commands, *pipeline, tile);
         fullBarrier(commands);
         copy(commands, status, 0, hostStatus, sizeof(gpu::Status));
         fullBarrier(commands);
       });
-      fresh = false;
       traceSeconds += seconds;
       if (seconds > kLongDispatch) parts.groupsPerDispatch = std::max(1u, parts.groupsPerDispatch / 2);
       if (seconds < kShortDispatch && tile.groups == parts.groupsPerDispatch)
@@ -304,27 +365,41 @@ void ShaderRenderer::Parts::Passes::traceTile(gpu::Tile tile, const Progress& pr
         throw RunError(
             "the driver of " + device.info().name +
             " ended the kernel's loops early (a loop limiter); the picture would be wrong and is not written");
-      progress(double(samplesBefore + last.samplesFinished) / double(allSamples));
+      // What of this pass is still to be dispatched waits as before.
+      const double toCome = 1 - double(tile.firstGroup + tile.groups) / double(allGroups);
+      const double waiting = std::min(waitingBefore, toCome * waitingBefore + double(last.samplesWaiting));
+      progress(1 - waiting / allSamples);
     }
-    samplesBefore += last.samplesFinished;
-  } while (last.unfinished > 0);
+    if (last.unfinished == 0) return;
+    waitingBefore = std::min(waitingBefore, double(last.samplesWaiting));
+    pipeline = &resumedPipeline();
+  }
 }
 
 // --- the renderer ---------------------------------------------------------------------------------------------------
 
-ShaderRenderer::ShaderRenderer(const DeviceInfo& device) : parts_(std::make_unique<Parts>(device)) {}
+ShaderRenderer::ShaderRenderer(const DeviceInfo& device, Fetch fetch)
+    : parts_(std::make_unique<Parts>(device, fetch)) {}
 ShaderRenderer::~ShaderRenderer() = default;
+
+Fetch ShaderRenderer::fetch() const {
+  return parts_->fetch;
+}
 
 void ShaderRenderer::upload(const PackedScene& scene) {
   parts_->features = scene.features;
   parts_->view = scene.view;
-  const Device& device = parts_->device;
-  parts_->nodes = device.upload(bytesOf(scene.nodes), "nodes");
-  parts_->spheres = device.upload(bytesOf(scene.spheres), "spheres");
-  parts_->triangles = device.upload(bytesOf(scene.triangles), "triangles");
-  parts_->vertexNormals = device.upload(bytesOf(scene.vertexNormals), "vertex normals");
-  parts_->materials = device.upload(bytesOf(scene.materials), "materials");
-  parts_->lights = device.upload(bytesOf(scene.lights), "lights");
+  const auto upload = [&](uint binding, std::span<const std::byte> bytes, const char* name) {
+    Buffer& buffer = parts_->rows[binding - gpu::kBindNodes];
+    buffer = {};  // the last scene's is no longer needed
+    buffer = parts_->device.uploadRows(bytes, parts_->fetch, name);
+  };
+  upload(gpu::kBindNodes, bytesOf(scene.nodes), "nodes");
+  upload(gpu::kBindPrimitives, bytesOf(scene.primitives), "primitives");
+  upload(gpu::kBindVertexNormals, bytesOf(scene.vertexNormals), "vertex normals");
+  upload(gpu::kBindMaterials, bytesOf(scene.materials), "materials");
+  upload(gpu::kBindLights, bytesOf(scene.lights), "lights");
+  upload(gpu::kBindCubes, bytesOf(scene.cubes), "cubes of directions");
 }
 
 ShaderPicture ShaderRenderer::render(const Spirv& kernel, const RenderSettings& settings, const Progress& progress,
@@ -334,7 +409,7 @@ ShaderPicture ShaderRenderer::render(const Spirv& kernel, const RenderSettings& 
 
   Clock::time_point start = Clock::now();
   Parts::Passes passes(*parts_, kernel, settings, dispatching, false);
-  passes.warmUp();
+  passes.warmUp(passes.fresh);
   picture.compileSeconds = secondsSince(start);
 
   size_t done = 0;
@@ -344,27 +419,30 @@ ShaderPicture ShaderRenderer::render(const Spirv& kernel, const RenderSettings& 
     done += area;
 
     start = Clock::now();
-    const vk::DeviceSize rowBytes = tile.width * 3 * sizeof(float);
     passes.device.run([&](const vk::raii::CommandBuffer& commands) {
       fullBarrier(commands);
-      copy(commands, passes.pixels, 0, passes.hostPixels, rowBytes * tile.height);
+      copy(commands, passes.pixels, 0, passes.hostPixels, area * sizeof(gpu::Row));
       fullBarrier(commands);
     });
     for (uint y = 0; y < tile.height; ++y) {
+      const size_t source = size_t(y) * tile.width;
       const size_t target = (size_t(tile.y0) - size_t(settings.crop.y0) + y) * size_t(settings.crop.width()) +
                             (size_t(tile.x0) - size_t(settings.crop.x0));
-      std::memcpy(&picture.image.rgb[3 * target], passes.hostPixels.mapped + y * rowBytes, rowBytes);
+      for (uint x = 0; x < tile.width; ++x)
+        std::memcpy(&picture.image.rgb[3 * (target + x)], passes.hostPixels.mapped + (source + x) * sizeof(gpu::Row),
+                    3 * sizeof(float));
     }
     picture.readbackSeconds += secondsSince(start);
   }
+  picture.compileSeconds += passes.resumedCompileSeconds;
   picture.traceSeconds = passes.traceSeconds;
   return picture;
 }
 
-RayCounts ShaderRenderer::countRays(const Spirv& kernel, const RenderSettings& settings, const Progress& progress,
-                                    const Dispatching& dispatching) {
+Visits ShaderRenderer::countVisits(const Spirv& kernel, const RenderSettings& settings, const Progress& progress,
+                                   const Dispatching& dispatching) {
   Parts::Passes passes(*parts_, kernel, settings, dispatching, true);
-  RayCounts counts;
+  Visits visits;
   size_t done = 0;
   for (const gpu::Tile& tile : passes.tiles) {
     const size_t area = size_t(tile.width) * tile.height;
@@ -374,19 +452,21 @@ RayCounts ShaderRenderer::countRays(const Spirv& kernel, const RenderSettings& s
     const vk::DeviceSize rowBytes = vk::DeviceSize(tile.slots) * sizeof(gpu::Row);
     passes.device.run([&](const vk::raii::CommandBuffer& commands) {
       fullBarrier(commands);
-      copy(commands, passes.state, gpu::kStateCounts * rowBytes, passes.hostPixels, rowBytes);
+      copy(commands, passes.state, gpu::kStateRays * rowBytes, passes.hostPixels, kCounterRows * rowBytes);
       fullBarrier(commands);
     });
-    std::vector<std::array<uint, 4>> rows(tile.slots);
-    std::memcpy(rows.data(), passes.hostPixels.mapped, rowBytes);
-    for (const auto& [eye, reflected, refracted, shadow] : rows) {
-      counts.eye += eye;
-      counts.reflected += reflected;
-      counts.refracted += refracted;
-      counts.shadow += shadow;
+    std::vector<std::array<uint, 4>> counts(kCounterRows * size_t(tile.slots));
+    std::memcpy(counts.data(), passes.hostPixels.mapped, kCounterRows * rowBytes);
+    RayCounts* const rows[kCounterRows] = {&visits.rays, &visits.nodes, &visits.primitives};
+    for (size_t i = 0; i < counts.size(); ++i) {
+      RayCounts& row = *rows[i / tile.slots];
+      row.eye += counts[i][0];
+      row.reflected += counts[i][1];
+      row.refracted += counts[i][2];
+      row.shadow += counts[i][3];
     }
   }
-  return counts;
+  return visits;
 }
 
 }  // namespace turner

@@ -6,6 +6,7 @@
 
 #include "picture/settings.h"
 #include "shader/devices.h"
+#include "shader/fetch.h"
 #include "shader/glsl.h"
 #include "shader/pack.h"
 
@@ -15,9 +16,17 @@ namespace turner {
 struct Dispatching {
   int tile = 0;        // pixels on a tile's side, rounded up to a multiple of 8; 0: what suits the device
   int workGroup = 64;  // invocations in a work-group, rounded up to whole subgroups of the device
-  // The kernel's bounds on one dispatch of an invocation, see layout.h. Tests set others.
-  uint32_t segments = gpu::kSegments;
-  uint32_t steps = gpu::kSteps;
+  // Iterations of an invocation's loops in one dispatch, at least kLeastBudget; 0: what the device bears, see layout.h.
+  // Tests set others.
+  uint32_t budget = 0;
+};
+
+// With fewer iterations an invocation might not get anywhere.
+inline constexpr uint32_t kLeastBudget = 8;
+
+// What rays met on their way, by kind of ray.
+struct Visits {
+  RayCounts rays, nodes, primitives;
 };
 
 struct ShaderPicture {
@@ -29,9 +38,12 @@ struct ShaderPicture {
 
 class ShaderRenderer {
  public:
-  // Opens the device. Throws RunError when it cannot be opened.
-  explicit ShaderRenderer(const DeviceInfo& device);
+  // Opens the device. Throws RunError when it cannot be opened, InputError when it cannot fetch in the wanted way.
+  explicit ShaderRenderer(const DeviceInfo& device, Fetch fetch = Fetch::automatic);
   ~ShaderRenderer();
+
+  // How its kernels are to fetch, see fetchPreamble.
+  Fetch fetch() const;
 
   // Puts the scene into the device's memory. Throws InputError when it does not fit.
   void upload(const PackedScene& scene);
@@ -41,9 +53,9 @@ class ShaderRenderer {
   ShaderPicture render(const Spirv& kernel, const RenderSettings& settings, const Progress& progress = {},
                        const Dispatching& dispatching = {});
 
-  // Counts the rays of the same picture, by a kernel with counters compiled in.
-  RayCounts countRays(const Spirv& kernel, const RenderSettings& settings, const Progress& progress = {},
-                      const Dispatching& dispatching = {});
+  // Counts the rays of the same picture, and what they meet, by a kernel with counters compiled in.
+  Visits countVisits(const Spirv& kernel, const RenderSettings& settings, const Progress& progress = {},
+                     const Dispatching& dispatching = {});
 
  private:
   struct Parts;

@@ -1,0 +1,539 @@
+// Boxes are projected onto the faces; cells are divided as a quadtree while that shortens their lists.
+#include "shader/direction_cube.h"
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <cmath>
+#include <exception>
+#include <glm/vec2.hpp>
+#include <mutex>
+#include <thread>
+
+#include "errors.h"
+
+namespace turner {
+namespace {
+
+using gpu::Row;
+using gpu::uint;
+
+constexpr int kMostCoarse = 64;  // coarse cells on a face's side
+constexpr int kBlocks = 8;       // blocks of them on a side, each a task
+constexpr int kMostLevels = 5;   // halvings from a coarse cell to fine ones
+// By how much the kernel may miss a cell, in u and v: its division is good to 2.5 ulp, its products to half of one.
+constexpr float kCellRounding = 0x1p-19f;
+// Costs, in tests of a primitive by a ray: to visit a node and all that is likely to follow, and to make one entry.
+constexpr double kNodeCost = 4, kEntryCost = 2;
+// A list grows up to so many entries by opening its nodes to the last primitive. Of a small scene nearly all are
+// opened: a walk that meets no nodes is faster by more than a few long lists cost.
+constexpr size_t kSmallScene = 50'000;
+size_t mostOpened(size_t primitives) {
+  return primitives <= kSmallScene ? 256 : 16;
+}
+
+struct Rect {
+  float uLo, uHi, vLo, vHi;
+  bool overlaps(const Rect& other) const {
+    return uLo <= other.uHi && other.uLo <= uHi && vLo <= other.vHi && other.vLo <= vHi;
+  }
+  Rect dilated() const { return {uLo - kCellRounding, uHi + kCellRounding, vLo - kCellRounding, vHi + kCellRounding}; }
+  Rect quarter(int i) const {
+    const float u = 0.5f * (uLo + uHi), v = 0.5f * (vLo + vHi);
+    return {i & 1 ? u : uLo, i & 1 ? uHi : u, i & 2 ? v : vLo, i & 2 ? vHi : v};
+  }
+};
+
+// Something that may be in a cell's list: a node, or one primitive.
+struct Candidate {
+  Rect rect;       // of its box on the face
+  float distance;  // least along the face's axis
+  uint32_t index;  // of the node, or in Bvh::order
+  bool isPrimitive;
+  // Of a triangle before the point, its three edges: where x u + y v + z < 0 on one of them, all is outside.
+  std::array<glm::vec3, 3> edges{glm::vec3(0), glm::vec3(0), glm::vec3(0)};
+
+  bool overlaps(const Rect& r) const {
+    if (!rect.overlaps(r)) return false;
+    bool outside = false;
+    for (const glm::vec3& e : edges)
+      outside |= e.x * (e.x > 0 ? r.uHi : r.uLo) + e.y * (e.y > 0 ? r.vHi : r.vLo) + e.z < 0;
+    return !outside;
+  }
+};
+
+using Corners = std::array<glm::dvec3, 3>;
+
+struct Interval {
+  double lo, hi;
+};
+
+// The quotients of two intervals, the divisor's part above 0; of what has no bound there, at most `far`.
+Interval quotient(const Interval& a, const Interval& c) {
+  constexpr double kFar = 4;
+  const double least = std::max(c.lo, 1e-30);
+  const double lo = a.lo / (a.lo < 0 ? least : c.hi), hi = a.hi / (a.hi > 0 ? least : c.hi);
+  return {std::clamp(lo, -kFar, kFar), std::clamp(hi, -kFar, kFar)};
+}
+
+// One face of the cube around a point.
+class Face {
+ public:
+  Face(const glm::dvec3& point, int face) : point_(point), axis_(face / 2), negative_(face % 2 == 1) {}
+
+  // False if the box lies behind the point.
+  bool project(const Box& box, Candidate& out) const {
+    Interval c = along(box, axis_), a = along(box, (axis_ + 1) % 3), b = along(box, (axis_ + 2) % 3);
+    if (negative_) c = {-c.hi, -c.lo}, a = {-a.hi, -a.lo}, b = {-b.hi, -b.lo};
+    if (!(c.hi > 0)) return false;
+    const Interval u = quotient(a, c), v = quotient(b, c);
+    out.rect = {float(u.lo), float(u.hi), float(v.lo), float(v.hi)};
+    out.distance = c.lo > 0 ? float(c.lo * (1 - 0x1p-20)) : 0.0f;
+    return true;
+  }
+
+  // Adds the edges of a triangle whose padded box was projected.
+  void projectEdges(const Corners& corners, const Box& box, Candidate& out) const {
+    glm::dvec2 p[3];
+    double nearest = INFINITY;
+    for (int i = 0; i < 3; ++i) {
+      const glm::dvec3 d = corners[size_t(i)] - point_;
+      const double c = negative_ ? -d[axis_] : d[axis_];
+      if (!(c > 0)) return;
+      nearest = std::min(nearest, c);
+      p[i] = glm::dvec2(d[(axis_ + 1) % 3], d[(axis_ + 2) % 3]) / d[axis_];
+    }
+    // The corners may be off by as much as the box is padded, the largest pad on any axis; seen from the point in u and
+    // v:
+    const glm::dvec3 size = glm::dvec3(box.hi) - glm::dvec3(box.lo);
+    double pad = 0;
+    for (int k = 0; k < 3; ++k) {
+      const double hi = std::max({corners[0][k], corners[1][k], corners[2][k]});
+      const double lo = std::min({corners[0][k], corners[1][k], corners[2][k]});
+      pad = std::max(pad, size[k] - (hi - lo));
+    }
+    const double margin = 2 * pad / nearest *
+                          (1 + std::max({std::abs(p[0].x), std::abs(p[0].y), std::abs(p[1].x), std::abs(p[1].y),
+                                         std::abs(p[2].x), std::abs(p[2].y)}));
+    const double area = (p[1].x - p[0].x) * (p[2].y - p[0].y) - (p[1].y - p[0].y) * (p[2].x - p[0].x);
+    if (!(std::abs(area) > 1e-14) || !(margin < 1)) return;
+    for (int i = 0; i < 3; ++i) {
+      const glm::dvec2 &a = p[i], &b = p[(i + 1) % 3];
+      glm::dvec2 n(a.y - b.y, b.x - a.x);
+      n *= (area > 0 ? 1 : -1) / (std::abs(n.x) + std::abs(n.y));
+      // A float's rounding of all three terms is within the last addend.
+      const double z = -(n.x * a.x + n.y * a.y) + margin + 0x1p-20 * (2 + std::abs(a.x) + std::abs(a.y));
+      out.edges[size_t(i)] = {float(n.x), float(n.y), float(z)};
+    }
+  }
+
+ private:
+  Interval along(const Box& box, int axis) const { return {box.lo[axis] - point_[axis], box.hi[axis] - point_[axis]}; }
+
+  glm::dvec3 point_;
+  int axis_;
+  bool negative_;
+};
+
+struct Entry {
+  uint reference;
+  float distance;
+};
+
+struct List {
+  uint first = 0, end = 0;  // in the block's entries
+};
+
+// A square of coarse cells. Those that were divided less than others have the same list several times.
+struct Block {
+  std::vector<uint8_t> levels;  // of each coarse cell, row by row: it has 2^levels fine cells on a side
+  std::vector<List> lists;      // of the fine cells of each coarse cell, row by row
+  std::vector<Entry> entries;
+  bool meetsNodes = false;
+};
+
+// Fills the cells of one block of a face.
+class BlockBuilder {
+ public:
+  BlockBuilder(const CubeTree& tree, const Face& face) : tree_(tree), face_(face) {}
+
+  // `side` coarse cells on a side; about so many rays come through each.
+  Block build(const Rect& rect, int side, double raysInCell) {
+    side_ = side;
+    block_.levels.resize(size_t(side * side));
+    quads_.resize(size_t(side * side));
+    const Rect around = rect.dilated();
+    addChild(tree_.bvh.root, around);
+    toCoarse(rect, {0, pool_.size()}, 0, 0, side, raysInCell);
+    for (size_t cell = 0; cell < quads_.size(); ++cell) layOut(quads_[cell], block_.levels[cell]);
+    return std::move(block_);
+  }
+
+ private:
+  struct Range {
+    size_t first, end;  // in the pool
+  };
+  // A list for a square of fine cells, in units of the finest there can be.
+  struct Quad {
+    int x, y, level;
+    List list;
+  };
+
+  void add(const Box& box, uint32_t index, bool isPrimitive, const Rect& rect) {
+    Candidate candidate;
+    if (!face_.project(box, candidate) || !candidate.rect.overlaps(rect)) return;
+    candidate.index = index;
+    candidate.isPrimitive = isPrimitive;
+    if (isPrimitive) {
+      if (const Corners* corners = tree_.corners(tree_.bvh.order[index])) face_.projectEdges(*corners, box, candidate);
+      if (!candidate.overlaps(rect)) return;
+    }
+    pool_.push_back(candidate);
+  }
+
+  // A node, or the primitives of a leaf.
+  void addChild(const BvhChild& child, const Rect& rect) {
+    if (child.count == 0) {
+      if (!tree_.bvh.nodes.empty()) add(child.box, child.first, false, rect);
+      return;
+    }
+    for (uint32_t i = child.first; i < child.first + child.count; ++i)
+      add(tree_.boxes[tree_.bvh.order[i]], i, true, rect);
+  }
+
+  // Replaces nodes at the pool's end, from `first` on, that are larger than this by their children.
+  void open(size_t first, const Rect& rect, float width, float height, size_t most) {
+    for (size_t i = first; i < pool_.size() && pool_.size() - first < most;) {
+      const Candidate candidate = pool_[i];
+      const Rect& r = candidate.rect;
+      if (candidate.isPrimitive || !(r.uHi - r.uLo > width || r.vHi - r.vLo > height)) {
+        ++i;
+        continue;
+      }
+      pool_[i] = pool_.back();
+      pool_.pop_back();
+      for (const BvhChild& child : tree_.bvh.nodes[candidate.index].children) addChild(child, rect);
+    }
+  }
+
+  // What of a range overlaps a rectangle, copied to the pool's end and opened to its size.
+  Range filter(const Range& from, const Rect& rect) {
+    const Range result{pool_.size(), 0};
+    const Rect around = rect.dilated();
+    for (size_t i = from.first; i < from.end; ++i)
+      if (pool_[i].overlaps(around)) pool_.push_back(pool_[i]);
+    open(result.first, around, rect.uHi - rect.uLo, rect.vHi - rect.vLo, 4096);
+    return {result.first, pool_.size()};
+  }
+
+  void toCoarse(const Rect& rect, const Range& here, int x, int y, int side, double rays) {
+    if (side == 1) {
+      const size_t cell = size_t(y * side_ + x);
+      toFine(rect, here, 0, 0, 0, rays, cell);
+      return;
+    }
+    for (int i = 0; i < 4; ++i) {
+      const Rect quarter = rect.quarter(i);
+      const Range part = filter(here, quarter);
+      toCoarse(quarter, part, x + (i & 1) * side / 2, y + (i >> 1) * side / 2, side / 2, rays);
+      pool_.resize(part.first);
+    }
+  }
+
+  void toFine(const Rect& rect, const Range& here, int level, int x, int y, double rays, size_t cell) {
+    if (level == kMostLevels || !worthDividing(rect, here, rays)) {
+      block_.levels[cell] = std::max(block_.levels[cell], uint8_t(level));
+      const int size = 1 << (kMostLevels - level);
+      quads_[cell].push_back({x * size, y * size, level, makeList(rect, here)});
+      return;
+    }
+    for (int i = 0; i < 4; ++i) {
+      const Rect quarter = rect.quarter(i);
+      const Range part = filter(here, quarter);
+      toFine(quarter, part, level + 1, 2 * x + (i & 1), 2 * y + (i >> 1), rays / 4, cell);
+      pool_.resize(part.first);
+    }
+  }
+
+  // Whether quarters would save the rays more than their lists cost.
+  bool worthDividing(const Rect& rect, const Range& here, double rays) const {
+    // Cells so small that the kernel's rounding reaches the next one are no use.
+    if (std::min(rect.uHi - rect.uLo, rect.vHi - rect.vLo) < 8 * kCellRounding) return false;
+    double now = 0, then = 0;
+    for (size_t i = here.first; i < here.end; ++i) {
+      const double cost = pool_[i].isPrimitive ? 1 : kNodeCost;
+      now += cost;
+      // A node is opened when its cell gets smaller than itself, and then counts for less.
+      int quarters = 0;
+      for (int k = 0; k < 4; ++k) quarters += pool_[i].overlaps(rect.quarter(k));
+      then += cost * quarters / 4;
+    }
+    return rays * (now - then) > 4 * then * kEntryCost;
+  }
+
+  List makeList(const Rect& rect, const Range& here) {
+    const size_t first = pool_.size();
+    for (size_t i = here.first; i < here.end; ++i) pool_.push_back(pool_[i]);
+    open(first, rect.dilated(), 0, 0, mostOpened(tree_.bvh.order.size()));
+    List list{uint(block_.entries.size()), 0};
+    for (size_t i = first; i < pool_.size(); ++i) {
+      const Candidate& candidate = pool_[i];
+      block_.meetsNodes |= !candidate.isPrimitive;
+      block_.entries.push_back(
+          {candidate.isPrimitive ? gpu::kRefLeaf | tree_.references[candidate.index] : candidate.index,
+           candidate.distance});
+    }
+    pool_.resize(first);
+    list.end = uint(block_.entries.size());
+    std::sort(block_.entries.begin() + list.first, block_.entries.end(), [](const Entry& a, const Entry& b) {
+      return a.distance != b.distance ? a.distance < b.distance : a.reference < b.reference;
+    });
+    return list;
+  }
+
+  // The lists of one coarse cell, cell by cell.
+  void layOut(const std::vector<Quad>& quads, int levels) {
+    const size_t first = block_.lists.size();
+    const int side = 1 << levels, unit = 1 << (kMostLevels - levels);
+    block_.lists.resize(first + size_t(side * side));
+    for (const Quad& quad : quads) {
+      const int size = 1 << (levels - quad.level);
+      for (int y = 0; y < size; ++y)
+        for (int x = 0; x < size; ++x)
+          block_.lists[first + size_t((quad.y / unit + y) * side + quad.x / unit + x)] = quad.list;
+    }
+  }
+
+  const CubeTree& tree_;
+  const Face& face_;
+  int side_ = 1;
+  std::vector<Candidate> pool_;  // a stack: each level of the division has its candidates on top
+  std::vector<std::vector<Quad>> quads_;
+  Block block_;
+};
+
+Row integers(uint x, uint y, uint z = 0, uint w = 0) {
+  return {std::bit_cast<float>(x), std::bit_cast<float>(y), std::bit_cast<float>(z), w};
+}
+
+// The row of gpu::CubeFace; the window is a square.
+Row faceRow(const Rect& window, int coarse, size_t firstCell) {
+  if (firstCell >= size_t(1) << 24) throw InputError("the scene has more lights than the kernel can number");
+  const float width = window.uHi - window.uLo;
+  return {window.uLo, window.vLo, width > 0 ? float(coarse) / width : 0.0f, uint(coarse) | uint(firstCell) << 8};
+}
+
+// A face and what is to be done for it.
+struct PlannedFace {
+  Rect window{1, -1, 1, -1};   // empty: no ray through this face meets anything
+  std::vector<Rect> occupied;  // what stands in it, roughly
+  int coarse = 1;              // cells on a side
+  std::vector<Block> blocks;   // row by row, blocksOnASide() squared
+  bool isEmpty() const { return !(window.uLo < window.uHi && window.vLo < window.vHi); }
+  int blocksOnASide() const { return std::min(kBlocks, coarse); }
+  Rect cells(int x, int y, int size) const {
+    const float width = (window.uHi - window.uLo) / float(coarse), height = (window.vHi - window.vLo) / float(coarse);
+    return {window.uLo + float(x) * width, window.uLo + float(x + size) * width, window.vLo + float(y) * height,
+            window.vLo + float(y + size) * height};
+  }
+};
+
+// The upper part of the tree.
+std::vector<BvhChild> topOf(const Bvh& bvh) {
+  constexpr size_t kMost = 512;
+  std::vector<BvhChild> level = {bvh.root};
+  for (size_t i = 0; i < level.size() && level.size() < kMost;) {
+    if (level[i].count > 0) {
+      ++i;
+      continue;
+    }
+    const Bvh::Node& node = bvh.nodes[level[i].first];
+    level[i] = node.children[0];
+    level.push_back(node.children[1]);
+  }
+  return level;
+}
+
+// Shrinks a face's window to what holds something.
+PlannedFace planFace(const Face& face, const FaceWindow& window, std::span<const BvhChild> top, size_t rays,
+                     int mostCoarse) {
+  PlannedFace plan;
+  const Rect whole{float(window.uLo) - kCellRounding, float(window.uHi) + kCellRounding,
+                   float(window.vLo) - kCellRounding, float(window.vHi) + kCellRounding};
+  if (window.uLo > window.uHi || window.vLo > window.vHi) return plan;
+  for (const BvhChild& child : top) {
+    Candidate projected;
+    if (!face.project(child.box, projected) || !projected.rect.overlaps(whole)) continue;
+    const Rect r = projected.rect.dilated();
+    plan.occupied.push_back(r);
+    Rect& w = plan.window;
+    w = {std::min(w.uLo, r.uLo), std::max(w.uHi, r.uHi), std::min(w.vLo, r.vLo), std::max(w.vHi, r.vHi)};
+  }
+  Rect& w = plan.window;
+  w = {std::max(w.uLo, whole.uLo), std::min(w.uHi, whole.uHi), std::max(w.vLo, whole.vLo), std::min(w.vHi, whole.vHi)};
+  // A square, so that the kernel needs one scale; its cells are at least four times what the kernel may miss.
+  const float side = std::max({w.uHi - w.uLo, w.vHi - w.vLo, 8 * kCellRounding});
+  if (w.uLo < w.uHi && w.vLo < w.vHi) w = {w.uLo, w.uLo + side, w.vLo, w.vLo + side};
+  // A coarse cell is for some hundred rays.
+  while (plan.coarse < mostCoarse && 256 * size_t(plan.coarse) * size_t(plan.coarse) < rays) plan.coarse *= 2;
+  return plan;
+}
+
+// Coarse cells that something stands in.
+size_t occupiedCells(const PlannedFace& face) {
+  size_t count = 0;
+  for (int y = 0; y < face.coarse; ++y)
+    for (int x = 0; x < face.coarse; ++x) {
+      const Rect cell = face.cells(x, y, 1);
+      count += std::any_of(face.occupied.begin(), face.occupied.end(), [&](const Rect& r) { return r.overlaps(cell); });
+    }
+  return count;
+}
+
+// Runs tasks 0 .. count - 1 on all cores; the first exception is thrown here.
+template <class Task>
+void runOnAllCores(size_t count, const Task& task) {
+  std::atomic<size_t> next = 0;
+  std::exception_ptr failure;
+  std::mutex failureMutex;
+  const auto work = [&] {
+    try {
+      for (size_t i = next++; i < count; i = next++) task(i);
+    } catch (...) {
+      const std::scoped_lock lock(failureMutex);
+      failure = std::current_exception();
+      next = count;
+    }
+  };
+  std::vector<std::jthread> threads;
+  for (unsigned i = 1; i < std::max(1u, std::thread::hardware_concurrency()); ++i) threads.emplace_back(work);
+  work();
+  threads.clear();
+  if (failure) std::rethrow_exception(failure);
+}
+
+}  // namespace
+
+DirectionCubes buildDirectionCubes(std::span<const CubePoint> points, const CubeTree& tree) {
+  std::vector<PlannedFace> faces(points.size() * 6);
+  struct Task {
+    size_t face;
+    int block;
+    double raysInCell;
+  };
+  std::vector<Task> tasks;
+  if (!tree.bvh.order.empty()) {
+    const std::vector<BvhChild> top = topOf(tree.bvh);
+    // The more lights, the fewer cells for each: a face's row has 24 bits for the place of its cells.
+    int mostCoarse = kMostCoarse;
+    while (mostCoarse > 1 && faces.size() * size_t(mostCoarse * mostCoarse) > size_t(1) << 22) mostCoarse /= 2;
+    for (size_t p = 0; p < points.size(); ++p) {
+      size_t occupied = 0;
+      for (size_t f = 6 * p; f < 6 * p + 6; ++f) {
+        faces[f] =
+            planFace(Face(points[p].position, int(f % 6)), points[p].windows[f % 6], top, points[p].rays, mostCoarse);
+        if (!faces[f].isEmpty()) occupied += occupiedCells(faces[f]);
+      }
+      for (size_t f = 6 * p; f < 6 * p + 6; ++f) {
+        if (faces[f].isEmpty()) continue;
+        const int blocks = faces[f].blocksOnASide() * faces[f].blocksOnASide();
+        faces[f].blocks.resize(size_t(blocks));
+        for (int block = 0; block < blocks; ++block)
+          tasks.push_back({f, block, double(points[p].rays) / double(std::max<size_t>(1, occupied))});
+      }
+    }
+    runOnAllCores(tasks.size(), [&](size_t i) {
+      const Task& task = tasks[i];
+      PlannedFace& plan = faces[task.face];
+      const Face face(points[task.face / 6].position, int(task.face % 6));
+      const int across = plan.blocksOnASide(), side = plan.coarse / across;
+      const Rect rect = plan.cells(task.block % across * side, task.block / across * side, side);
+      plan.blocks[size_t(task.block)] = BlockBuilder(tree, face).build(rect, side, task.raysInCell);
+    });
+  }
+
+  // Rows: faces, coarse cells, fine cells, entries.
+  DirectionCubes cubes;
+  cubes.meetsNodes.resize(points.size());
+  size_t coarse = faces.size(), fine = coarse + 1, entry = 0;
+  for (const PlannedFace& face : faces) fine += face.blocks.empty() ? 0 : size_t(face.coarse * face.coarse);
+  entry = fine + 1;
+  const size_t nowhere = coarse;
+  const uint emptyList = uint(fine);
+  for (const PlannedFace& face : faces)
+    for (const Block& block : face.blocks) entry += block.lists.size();
+  cubes.rows.resize(entry);
+  cubes.rows[nowhere] = integers(emptyList, 1);
+  cubes.rows[emptyList] = integers(0, 0);
+  ++coarse;
+  ++fine;
+  for (size_t p = 0; p < points.size(); ++p) {
+    bool meets = false;
+    for (size_t q = 0; q < points.size(); ++q) {
+      if (points[q].kernelWalk != points[p].kernelWalk) continue;
+      meets |= points[q].walkMeetsNodes;
+      for (size_t f = 6 * q; f < 6 * q + 6; ++f)
+        for (const Block& block : faces[f].blocks) meets |= block.meetsNodes;
+    }
+    cubes.meetsNodes[p] = meets;
+  }
+  std::vector<Entry> all;
+  for (size_t f = 0; f < faces.size(); ++f) {
+    PlannedFace& face = faces[f];
+    if (face.blocks.empty()) {
+      cubes.rows[f] = faceRow({}, 1, nowhere);
+      continue;
+    }
+    cubes.rows[f] = faceRow(face.window, face.coarse, coarse);
+    const int across = face.blocksOnASide(), side = face.coarse / across;
+    for (size_t b = 0; b < face.blocks.size(); ++b) {
+      Block& block = face.blocks[b];
+      const uint first = uint(2 * entry + all.size());
+      size_t list = 0;
+      for (size_t cell = 0; cell < block.levels.size(); ++cell) {
+        const size_t x = b % size_t(across) * size_t(side) + cell % size_t(side);
+        const size_t y = b / size_t(across) * size_t(side) + cell / size_t(side);
+        cubes.rows[coarse + y * size_t(face.coarse) + x] = integers(uint(fine), 1u << block.levels[cell]);
+        for (size_t end = list + (size_t(1) << (2 * block.levels[cell])); list < end; ++list) {
+          const List& l = block.lists[list];
+          const auto begin = block.entries.begin();
+          const auto isSphere = [](const Entry& e) { return (e.reference & gpu::kRefTriangle) == 0; };
+          const auto triangles = cubes.meetsNodes[f / 6]
+                                     ? begin + l.first
+                                     : std::stable_partition(begin + l.first, begin + l.end, isSphere);
+          cubes.rows[fine++] = integers(first + l.first, first + l.end, first + uint(triangles - begin));
+        }
+      }
+      all.insert(all.end(), block.entries.begin(), block.entries.end());
+    }
+    coarse += size_t(face.coarse * face.coarse);
+  }
+  for (size_t i = 0; i < all.size(); i += 2) {
+    const Entry a = all[i], b = i + 1 < all.size() ? all[i + 1] : Entry{gpu::kRefNone, 0};
+    cubes.rows.push_back({std::bit_cast<float>(a.reference), a.distance, std::bit_cast<float>(b.reference),
+                          std::bit_cast<uint>(b.distance)});
+  }
+  cubes.rows.push_back({});  // the kernel may look at the entry behind the last one
+  return cubes;
+}
+
+DirectionCubes wholeTreeCubes(std::span<const CubePoint> points, const CubeTree& tree) {
+  const Bvh& bvh = tree.bvh;
+  DirectionCubes cubes;
+  const bool isNode = bvh.root.count == 0 && !bvh.nodes.empty();
+  cubes.meetsNodes.assign(points.size(), true);  // its lists are not sorted by kind
+  // Every face has one cell, all with the same list.
+  const uint coarse = uint(points.size() * gpu::kCubeRows), fine = coarse + 1, list = 2 * (fine + 1);
+  for (size_t f = 0; f < points.size() * gpu::kCubeRows; ++f) cubes.rows.push_back(faceRow({}, 1, coarse));
+  cubes.rows.push_back(integers(fine, 1));
+  std::vector<uint> all;
+  if (isNode) all = {bvh.root.first};
+  for (uint32_t i = 0; i < bvh.root.count; ++i) all.push_back(gpu::kRefLeaf | tree.references[bvh.root.first + i]);
+  cubes.rows.push_back(integers(list, list + uint(all.size()), list));
+  for (size_t i = 0; i < all.size(); i += 2)
+    cubes.rows.push_back(integers(all[i], 0, i + 1 < all.size() ? all[i + 1] : gpu::kRefNone, 0));
+  cubes.rows.push_back({});  // the kernel may look at the entry behind the last one
+  return cubes;
+}
+
+}  // namespace turner

@@ -1,0 +1,24 @@
+// Names of the ways, for people and for the kernel's preprocessor.
+#include "shader/fetch.h"
+
+namespace turner {
+
+std::string fetchName(Fetch fetch) {
+  switch (fetch) {
+    case Fetch::texels:
+      return "texels";
+    case Fetch::buffers:
+      return "buffers";
+    case Fetch::addresses:
+      return "addresses";
+    default:
+      return "automatic";
+  }
+}
+
+std::string fetchPreamble(Fetch fetch) {
+  const char* number = fetch == Fetch::texels ? "0" : fetch == Fetch::addresses ? "2" : "1";
+  return std::string("#define FETCH ") + number + "\n";
+}
+
+}  // namespace turner
