@@ -24,14 +24,14 @@ struct EmbreePicture {
 
 class EmbreeTracer {
  public:
-  // Builds Embree's tree with all cores. `local` must outlive the tracer. Throws RunError when Embree fails.
+  // Builds Embree's tree with all cores. Throws RunError when Embree fails.
   explicit EmbreeTracer(const Scene& local);
   ~EmbreeTracer();
   EmbreeTracer(const EmbreeTracer&) = delete;
   EmbreeTracer& operator=(const EmbreeTracer&) = delete;
 
   double commitSeconds() const;  // of rtcCommitScene alone
-  size_t bytes() const;          // that Embree holds for the scene: its tree and the vertex buffers
+  size_t bytes() const;          // that Embree holds for the scene: its tree and the triangles' vertices
 
   // One sample in each pixel's centre, no least weight: throws InputError for other settings.
   EmbreePicture render(const RenderSettings& settings) const;
