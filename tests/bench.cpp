@@ -61,9 +61,13 @@ Spread spreadOf(std::vector<double> values) {
   return {0.5 * (values[(n - 1) / 2] + values[n / 2]), values.front(), values.back()};
 }
 
-// What a kernel with counters compiled in tells of one kind of ray. Not set: the kernel cannot count it.
+// What a kernel that counts its steps would tell. Not set, null in the JSON: it does not count them.
 struct KernelWork {
-  std::optional<double> nodesPerRay, primitivesPerRay;
+  struct PerRay {
+    std::optional<double> nodes, primitives;  // visited, tested
+  };
+  PerRay eye, reflected, refracted, shadow;
+  std::optional<double> rooflineShare;  // in [0, 1], of what the device could do with these rays
 };
 
 struct PovRay {
@@ -84,9 +88,7 @@ struct Measurement {
   double buildSeconds = 0, commitSeconds = 0;
   double bytesPerPrimitive = 0, embreeBytesPerPrimitive = 0;
   PovRay povray;
-  // To be filled in by measureScene when the kernel can count them.
-  KernelWork eyeWork, secondaryWork, shadowWork;
-  std::optional<double> rooflineShare;  // in [0, 1], of the device's ceiling for these rays
+  KernelWork work;  // TurnerSide::countWork fills it in
 };
 
 struct Options {
@@ -120,6 +122,8 @@ class TurnerSide {
   }
   ShaderPicture render(const RenderSettings& settings) { return renderer_.render(kernel_, settings); }
   RayCounts countRays(const RenderSettings& settings) { return renderer_.countRays(kernel_, settings); }
+  // The present kernel counts rays only.
+  KernelWork countWork(const RenderSettings&) { return {}; }
 
  private:
   ShaderRenderer renderer_;
@@ -156,10 +160,22 @@ std::vector<BenchScene> defaultScenes(size_t maxTriangles) {
   return scenes;
 }
 
+// Leaves out, and says so, what is not on this machine: the shared scenes are no part of the repository.
+std::vector<BenchScene> presentScenes(const std::vector<BenchScene>& scenes) {
+  std::vector<BenchScene> present;
+  for (const BenchScene& scene : scenes) {
+    if (scene.file.empty() || std::filesystem::exists(scene.file))
+      present.push_back(scene);
+    else
+      fmt::print("left out: there is no {}\n", scene.file);
+  }
+  return present;
+}
+
 // The scenes that the user names: by file name, with or without extension, or by path.
 std::vector<BenchScene> chooseScenes(const Options& options) {
   std::vector<BenchScene> known = defaultScenes(options.scenes.empty() ? options.maxTriangles : 10'000'000);
-  if (options.scenes.empty()) return known;
+  if (options.scenes.empty()) return presentScenes(known);
   std::vector<BenchScene> chosen;
   for (const std::string& wanted : options.scenes) {
     const size_t before = chosen.size();
@@ -265,7 +281,7 @@ std::optional<double> traceTimeOf(const std::string& statistics) {
   return std::strtod(statistics.c_str() + open + 1, nullptr);
 }
 
-PovRay measurePovRay(const BenchScene& scene, const RenderSettings& settings) {
+PovRay measurePovRay(const BenchScene& scene, const RenderSettings& settings, int runs) {
   const std::filesystem::path converter = TURNER_SHARED_TOOLS_DIR "/nff_to_pov.py";
   if (std::filesystem::path(scene.file).extension() != ".nff") return {{}, "not an NFF scene"};
   if (!std::filesystem::exists(converter)) return {{}, converter.string() + " is not there"};
@@ -276,14 +292,21 @@ PovRay measurePovRay(const BenchScene& scene, const RenderSettings& settings) {
   const auto [complaint, converted] = outputOf(fmt::format("python3 {} {} {} > {}", quoted(converter.string()),
                                                            quoted(scene.file), settings.depth, quoted(source)));
   if (converted != 0) throw RunError("nff_to_pov.py failed on " + scene.file + ":\n" + complaint);
-  const Clock::time_point start = Clock::now();
-  const auto [statistics, failed] =
-      outputOf(fmt::format("povray +I{} +O{} +W{} +H{} -A -D +FN", quoted(source),
-                           quoted((folder.path / "picture.png").string()), settings.width, settings.height));
-  const double wall = secondsSince(start);
-  if (failed != 0) throw RunError("POV-Ray failed on " + scene.file + ":\n" + statistics);
-  if (const auto seconds = traceTimeOf(statistics)) return {seconds, "POV-Ray's trace time"};
-  return {wall, "wall time of the process"};
+  // The median of as many runs as the others get. All tell their time in the same way.
+  std::vector<double> seconds;
+  bool itsOwnClock = true;
+  for (int run = 0; run < runs; ++run) {
+    const Clock::time_point start = Clock::now();
+    const auto [statistics, failed] =
+        outputOf(fmt::format("povray +I{} +O{} +W{} +H{} -A -D +FN", quoted(source),
+                             quoted((folder.path / "picture.png").string()), settings.width, settings.height));
+    const double wall = secondsSince(start);
+    if (failed != 0) throw RunError("POV-Ray failed on " + scene.file + ":\n" + statistics);
+    const std::optional<double> trace = traceTimeOf(statistics);
+    itsOwnClock = trace.has_value();
+    seconds.push_back(trace.value_or(wall));
+  }
+  return {spreadOf(seconds).median, itsOwnClock ? "POV-Ray's own trace time" : "wall time of POV-Ray's process"};
 }
 
 // ---- One scene ----
@@ -325,6 +348,7 @@ Measurement measureScene(const BenchScene& chosen, const Options& options, Turne
   {
     const Image image = turner.render(settings).image;
     m.turnerRays = turner.countRays(settings);
+    m.work = turner.countWork(settings);
     const EmbreePicture peer = embree.render(settings);
     m.embreeRays = peer.rays;
     m.badPixels = badPixels(image, peer.image);
@@ -341,7 +365,7 @@ Measurement measureScene(const BenchScene& chosen, const Options& options, Turne
   m.turnerMrays = spreadOf(turnerMrays);
   m.embreeMrays = spreadOf(embreeMrays);
   m.ratio = spreadOf(ratios);
-  if (options.povray) m.povray = measurePovRay(chosen, settings);
+  if (options.povray) m.povray = measurePovRay(chosen, settings, options.runs);
   return m;
 }
 
@@ -459,15 +483,20 @@ class JsonFile {
       put("shadow", rays.shadow);
     });
   }
-  void put(const char* key, const KernelWork& work) {
+  void put(const char* key, const KernelWork::PerRay& work) {
     object(key, [&] {
-      put("nodes_per_ray", work.nodesPerRay);
-      put("primitives_per_ray", work.primitivesPerRay);
+      put("nodes", work.nodes);
+      put("primitives", work.primitives);
     });
   }
   void put(const char* key, const std::vector<double>& values) {
     array(key, [&] {
       for (const double value : values) writer_.Double(value);
+    });
+  }
+  void put(const char* key, const std::vector<std::string>& values) {
+    array(key, [&] {
+      for (const std::string& value : values) writer_.String(value.c_str());
     });
   }
   std::string text() const { return std::string(buffer_.GetString()) + '\n'; }
@@ -487,6 +516,7 @@ void writeMeasurement(JsonFile& json, const Measurement& m) {
   json.put("rays", m.turnerRays);
   json.put("embree_rays", m.embreeRays);
   json.put("bad_pixels", m.badPixels);
+  json.put("disagreements", m.disagreements);
   json.put("turner_seconds", m.turnerSeconds);
   json.put("embree_seconds", m.embreeSeconds);
   json.put("turner_mrays_per_second", m.turnerMrays);
@@ -496,12 +526,13 @@ void writeMeasurement(JsonFile& json, const Measurement& m) {
   json.put("embree_commit_seconds", m.commitSeconds);
   json.put("bytes_per_primitive", m.bytesPerPrimitive);
   json.put("embree_bytes_per_primitive", m.embreeBytesPerPrimitive);
-  json.object("work", [&] {
-    json.put("eye", m.eyeWork);
-    json.put("secondary", m.secondaryWork);
-    json.put("shadow", m.shadowWork);
+  json.object("work_per_ray", [&] {
+    json.put("eye", m.work.eye);
+    json.put("reflected", m.work.reflected);
+    json.put("refracted", m.work.refracted);
+    json.put("shadow", m.work.shadow);
   });
-  json.put("roofline_share", m.rooflineShare);
+  json.put("roofline_share", m.work.rooflineShare);
   json.put("povray_seconds", m.povray.seconds);
   json.put("povray_clock", m.povray.clock);
   json.put("povray_ratio", m.povray.seconds ? std::optional(povrayRatio(m)) : std::nullopt);
@@ -555,6 +586,8 @@ int bench(const Options& options) {
   if (summary.scenes > 0)
     fmt::print("\nTurner/Embree: geometric mean {:.3f}, minimum {:.3f} ({})\n", summary.geometricMean, summary.least,
                summary.leastScene);
+  for (const Measurement& m : measurements)
+    if (m.povray.seconds) fmt::print("POV-Ray on {}: {}\n", m.scene, m.povray.clock);
   if (!options.json.empty()) writeWholeFile(options.json, benchJson(measurements, summary, device, options.runs));
   if (!agree) throw RunError("the two tracers have not done the same work: see above");
   return 0;

@@ -455,7 +455,7 @@ double EmbreeTracer::commitSeconds() const {
   return parts_->commitSeconds;
 }
 size_t EmbreeTracer::bytes() const {
-  return size_t(parts_->bytes.load());
+  return size_t(parts_->bytes.load()) + parts_->shading.spheres.size() * sizeof(FloatSphere);
 }
 
 EmbreePicture EmbreeTracer::render(const RenderSettings& settings) const {

@@ -31,7 +31,7 @@ class EmbreeTracer {
   EmbreeTracer& operator=(const EmbreeTracer&) = delete;
 
   double commitSeconds() const;  // of rtcCommitScene alone
-  size_t bytes() const;          // that Embree holds for the scene: its tree and the triangles' vertices
+  size_t bytes() const;          // of the tree, the triangles' vertices and the spheres
 
   // One sample in each pixel's centre, no least weight: throws InputError for other settings.
   EmbreePicture render(const RenderSettings& settings) const;
