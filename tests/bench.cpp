@@ -20,7 +20,9 @@
 #include <functional>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <map>
 #include <optional>
+#include <thread>
 
 #include "agreement.h"
 #include "bumpy_spheres.h"
@@ -61,14 +63,41 @@ Spread spreadOf(std::vector<double> values) {
   return {0.5 * (values[(n - 1) / 2] + values[n / 2]), values.front(), values.back()};
 }
 
-// What a kernel that counts its steps would tell. Not set, null in the JSON: it does not count them.
+// What the kernel did, by its counters.
 struct KernelWork {
   struct PerRay {
-    std::optional<double> nodes, primitives;  // visited, tested
+    double nodes = 0, primitives = 0;  // visited, tested
   };
   PerRay eye, reflected, refracted, shadow;
-  std::optional<double> rooflineShare;  // in [0, 1], of what the device could do with these rays
+  std::optional<double> rooflineShare;  // of the device's peak float32 arithmetic, in [0, 1]
 };
+
+// Arithmetic of a visit to a node and of a test of a primitive, in floating-point operations. Counted in the shader.
+constexpr double kNodeFlop = 46, kPrimitiveFlop = 55;
+
+// The peak of a device in FLOP/s. Of a CPU under lavapipe: eight lanes, each with a multiplication and an addition in a
+// clock, and the clock is the one that the kernel states. Others must be told by --peak-gflops.
+std::optional<double> peakFlops(const DeviceInfo& device, double toldGflops) {
+  if (toldGflops > 0) return 1e9 * toldGflops;
+  if (device.type != "CPU") return {};
+  std::ifstream file("/proc/cpuinfo");
+  for (std::string line; std::getline(file, line);)
+    if (line.starts_with("cpu MHz"))
+      return 16e6 * std::strtod(line.c_str() + line.find(':') + 1, nullptr) * std::thread::hardware_concurrency();
+  return {};
+}
+
+KernelWork workOf(const Visits& visits) {
+  const auto perRay = [&](uint64_t RayCounts::*kind) {
+    const double rays = double(std::max<uint64_t>(1, visits.rays.*kind));
+    return KernelWork::PerRay{double(visits.nodes.*kind) / rays, double(visits.primitives.*kind) / rays};
+  };
+  return {perRay(&RayCounts::eye),
+          perRay(&RayCounts::reflected),
+          perRay(&RayCounts::refracted),
+          perRay(&RayCounts::shadow),
+          {}};
+}
 
 struct PovRay {
   std::optional<double> seconds;  // of tracing alone, on all cores
@@ -88,13 +117,15 @@ struct Measurement {
   double buildSeconds = 0, commitSeconds = 0;
   double bytesPerPrimitive = 0, embreeBytesPerPrimitive = 0;
   PovRay povray;
-  KernelWork work;  // TurnerSide::countWork fills it in
+  KernelWork work;
 };
 
 struct Options {
   std::vector<std::string> scenes;
   int runs = 5;
   std::string device, json, writeObj;
+  Fetch fetch = Fetch::automatic;
+  double peakGflops = 0;  // 0: not told
   bool povray = false;
   size_t maxTriangles = 1'000'000, triangles = 1'000'000;
   int width = 0, height = 0;  // 0: the scene's own
@@ -104,30 +135,30 @@ struct Options {
 
 class TurnerSide {
  public:
-  explicit TurnerSide(const DeviceInfo& device) : renderer_(device) {}
+  TurnerSide(const DeviceInfo& device, Fetch fetch) : device_(device), renderer_(device, fetch) {}
+  const DeviceInfo& device() const { return device_; }
+  Fetch fetch() const { return renderer_.fetch(); }
 
   struct Built {
     double seconds = 0;  // of buildBvh and packScene
     size_t bytes = 0;    // on the device
   };
   // Throws InputError when the device cannot take the scene.
-  Built build(const Scene& local) {
+  Built build(const Scene& local, const RenderSettings& settings) {
     const std::vector<Box> boxes = primitiveBoxes(local);
     const Clock::time_point start = Clock::now();
-    const PackedScene packed =
-        packScene(local, buildBvh(boxes, local.spheres.size(), {gpu::kMaxLeafSize, int(gpu::kMaxTreeDepth)}));
+    const PackedScene packed = packScene(local, buildBvh(boxes, local.spheres.size()), boxes, settings);
     const Built built{secondsSince(start), packed.bytes()};
     renderer_.upload(packed);
     return built;
   }
   ShaderPicture render(const RenderSettings& settings) { return renderer_.render(kernel_, settings); }
-  RayCounts countRays(const RenderSettings& settings) { return renderer_.countRays(kernel_, settings); }
-  // The present kernel counts rays only.
-  KernelWork countWork(const RenderSettings&) { return {}; }
+  Visits countVisits(const RenderSettings& settings) { return renderer_.countVisits(kernel_, settings); }
 
  private:
+  DeviceInfo device_;
   ShaderRenderer renderer_;
-  Spirv kernel_ = compileGlsl(TURNER_SHADERS_DIR "/whitted.comp");
+  Spirv kernel_ = compileGlsl(TURNER_SHADERS_DIR "/whitted.comp", fetchPreamble(renderer_.fetch()));
 };
 
 // ---- Scenes ----
@@ -333,7 +364,7 @@ Measurement measureScene(const BenchScene& chosen, const Options& options, Turne
 
   const double primitives = double(std::max<size_t>(1, m.spheres + m.triangles));
   try {
-    const TurnerSide::Built built = turner.build(local);
+    const TurnerSide::Built built = turner.build(local, settings);
     m.buildSeconds = built.seconds;
     m.bytesPerPrimitive = double(built.bytes) / primitives;
   } catch (const InputError& error) {
@@ -345,10 +376,12 @@ Measurement measureScene(const BenchScene& chosen, const Options& options, Turne
   m.embreeBytesPerPrimitive = double(embree.bytes()) / primitives;
 
   // Verify, then time. This is also the warm-up.
+  Visits visits;
   {
     const Image image = turner.render(settings).image;
-    m.turnerRays = turner.countRays(settings);
-    m.work = turner.countWork(settings);
+    visits = turner.countVisits(settings);
+    m.turnerRays = visits.rays;
+    m.work = workOf(visits);
     const EmbreePicture peer = embree.render(settings);
     m.embreeRays = peer.rays;
     m.badPixels = badPixels(image, peer.image);
@@ -365,6 +398,10 @@ Measurement measureScene(const BenchScene& chosen, const Options& options, Turne
   m.turnerMrays = spreadOf(turnerMrays);
   m.embreeMrays = spreadOf(embreeMrays);
   m.ratio = spreadOf(ratios);
+  if (const std::optional<double> peak = peakFlops(turner.device(), options.peakGflops))
+    m.work.rooflineShare =
+        (kNodeFlop * double(visits.nodes.total()) + kPrimitiveFlop * double(visits.primitives.total())) /
+        (spreadOf(m.turnerSeconds).median * *peak);
   if (options.povray) m.povray = measurePovRay(chosen, settings, options.runs);
   return m;
 }
@@ -378,11 +415,13 @@ double povrayRatio(const Measurement& m) {
 void printHead(bool povray) {
   fmt::print(
       "| scene | primitives | eye | reflected | refracted | shadow | Turner, Mray/s | Embree, Mray/s | Turner/Embree | "
-      "build, s | commit, s | bytes/primitive |{}\n",
+      "build, s | commit, s | bytes/primitive | nodes, primitives per eye ray | reflected | refracted | shadow | "
+      "roofline |"
+      "{}\n",
       povray ? " POV-Ray, s | POV-Ray/Turner |" : "");
   fmt::print("| --- |{}\n", [&] {
     std::string columns;
-    for (int i = 0; i < (povray ? 13 : 11); ++i) columns += " ---: |";
+    for (int i = 0; i < (povray ? 18 : 16); ++i) columns += " ---: |";
     return columns;
   }());
 }
@@ -396,6 +435,9 @@ void printRow(const Measurement& m, bool povray) {
                m.scene, m.spheres + m.triangles, rays.eye, rays.reflected, rays.refracted, rays.shadow,
                m.turnerMrays.median, m.embreeMrays.median, m.ratio.median, m.ratio.least, m.ratio.most, m.buildSeconds,
                m.commitSeconds, m.bytesPerPrimitive);
+    for (const KernelWork::PerRay& work : {m.work.eye, m.work.reflected, m.work.refracted, m.work.shadow})
+      fmt::print(" {:.1f}, {:.1f} |", work.nodes, work.primitives);
+    fmt::print(" {} |", m.work.rooflineShare ? fmt::format("{:.1f} %", 100 * *m.work.rooflineShare) : "");
     if (povray && m.povray.seconds)
       fmt::print(" {:.3f} | {:.1f} |", *m.povray.seconds, povrayRatio(m));
     else if (povray)
@@ -539,10 +581,11 @@ void writeMeasurement(JsonFile& json, const Measurement& m) {
 }
 
 std::string benchJson(const std::vector<Measurement>& measurements, const Summary& summary, const DeviceInfo& device,
-                      int runs) {
+                      const std::string& fetch, int runs) {
   JsonFile json;
   json.object(nullptr, [&] {
     json.put("device", device.name);
+    json.put("fetch", fetch);
     json.put("driver", device.driver);
     json.put("cpu", cpuModel());
     json.put("embree", embreeVersion());
@@ -568,9 +611,9 @@ int bench(const Options& options) {
   const DeviceInfo device = chooseDevice(listDevices(), !options.device.empty() ? options.device
                                                         : environment           ? environment
                                                                                 : "");
-  TurnerSide turner(device);
-  fmt::print("device: {} ({})\nCPU: {}\nEmbree {}\n{} interleaved runs, depth {}\n\n", device.name, device.driver,
-             cpuModel(), embreeVersion(), options.runs, kDepth);
+  TurnerSide turner(device, options.fetch);
+  fmt::print("device: {} ({}), fetching {}\nCPU: {}\nEmbree {}\n{} interleaved runs, depth {}\n\n", device.name,
+             device.driver, fetchName(turner.fetch()), cpuModel(), embreeVersion(), options.runs, kDepth);
   printHead(options.povray);
 
   std::vector<Measurement> measurements;
@@ -588,7 +631,8 @@ int bench(const Options& options) {
                summary.leastScene);
   for (const Measurement& m : measurements)
     if (m.povray.seconds) fmt::print("POV-Ray on {}: {}\n", m.scene, m.povray.clock);
-  if (!options.json.empty()) writeWholeFile(options.json, benchJson(measurements, summary, device, options.runs));
+  if (!options.json.empty())
+    writeWholeFile(options.json, benchJson(measurements, summary, device, fetchName(turner.fetch()), options.runs));
   if (!agree) throw RunError("the two tracers have not done the same work: see above");
   return 0;
 }
@@ -601,6 +645,11 @@ int run(int argc, char** argv) {
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   app.add_option("--device", options.device, "Vulkan device: index, or part of its name");
+  app.add_option("--fetch", options.fetch,
+                 "How the kernel fetches: texels, buffers or addresses (default: the device's)")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, Fetch>{
+          {"texels", Fetch::texels}, {"buffers", Fetch::buffers}, {"addresses", Fetch::addresses}}));
+  app.add_option("--peak-gflops", options.peakGflops, "The device's peak float32 arithmetic, for the roofline");
   app.add_option("--json", options.json, "File for all figures");
   app.add_flag("--povray", options.povray, "Measure POV-Ray too, on NFF scenes");
   app.add_option("--max-triangles", options.maxTriangles, "Bounds the procedural meshes")->capture_default_str();

@@ -6,13 +6,17 @@
 #include <glslang/SPIRV/GlslangToSpv.h>
 
 #include <algorithm>
+#include <deque>
 #include <filesystem>
-#include <memory>
+#include <optional>
 #include <regex>
 #include <sstream>
+#include <utility>
 
 #include "errors.h"
 #include "scene/text_file.h"
+#include "shader/shader_sources.h"
+#include "shader/spirv_cache.h"
 
 namespace turner {
 namespace {
@@ -23,28 +27,42 @@ struct GlslangProcess {
   ~GlslangProcess() { glslang::FinalizeProcess(); }
 };
 
-// Finds #include "file" beside the file that includes it.
+// All that the words depend on beside the sources; versionAndOptions() says it to the cache.
+constexpr int kDefaultVersion = 460;  // of GLSL, where a shader names none
+constexpr glslang::EShTargetClientVersion kClient = glslang::EShTargetVulkan_1_2;
+constexpr glslang::EShTargetLanguageVersion kTarget = glslang::EShTargetSpv_1_5;
+constexpr EShMessages kRules = EShMessages(EShMsgSpvRules | EShMsgVulkanRules);
+constexpr bool kDisableOptimizer = true;  // drivers optimise; lavapipe's and ours would do the same work twice
+
+std::string versionAndOptions() {
+  const glslang::Version version = glslang::GetVersion();
+  std::ostringstream text;
+  text << "glslang " << version.major << '.' << version.minor << '.' << version.patch << version.flavor << ' '
+       << glslang::GetSpirvGeneratorVersion() << ", compute " << kDefaultVersion << ' ' << kClient << ' ' << kTarget
+       << ' ' << kRules << ' ' << kDisableOptimizer;
+  return text.str();
+}
+
+// Finds #include "file" beside the file that includes it: among the sources that were read before, else on the disk.
 class FileIncluder : public glslang::TShader::Includer {
  public:
-  explicit FileIncluder(std::vector<std::string>& files) : files_(files) {}
+  explicit FileIncluder(const std::vector<ShaderSource>& sources) : sources_(sources.begin(), sources.end()) {}
 
   IncludeResult* includeLocal(const char* name, const char* includer, size_t depth) override {
     // glslang never ends a file that includes itself; no honest shader nests this deep.
     constexpr size_t kDeepest = 32;
+    // Only the first error is told. Going on would take forever where a file includes itself twice.
+    if (!failure_.empty()) return nullptr;
     const std::string path = (std::filesystem::path(includer).parent_path() / name).string();
-    auto text = std::make_unique<std::string>();
     try {
       if (depth > kDeepest) throw InputError("includes nest too deep; does the file include itself?");
-      *text = readTextFile(path);
+      const std::string& text = textOf(path);
+      return new IncludeResult(path, text.data(), text.size(), nullptr);
     } catch (const InputError& error) {
       // Its place is the including line, which glslang adds.
       failure_ = std::regex_replace(error.what(), std::regex(": error: "), ": ");
       return nullptr;
     }
-    if (std::find(files_.begin(), files_.end(), path) == files_.end()) files_.push_back(path);
-    auto* result = new IncludeResult(path, text->data(), text->size(), text.get());
-    text.release();
-    return result;
   }
 
   // Where glslang goes when includeLocal has failed: there are no other places, but this result carries the message.
@@ -53,15 +71,26 @@ class FileIncluder : public glslang::TShader::Includer {
     return new IncludeResult("", failure_.data(), failure_.size(), nullptr);
   }
 
-  void releaseInclude(IncludeResult* result) override {
-    if (!result) return;
-    delete static_cast<std::string*>(result->userData);
-    delete result;
-  }
+  void releaseInclude(IncludeResult* result) override { delete result; }
+
+  // What was read, the shader first, then each include once and in order, as numbers of sources. A number that the
+  // sources of before do not have is a file that had to be looked for on the disk.
+  const std::vector<uint32_t>& filesRead() const { return filesRead_; }
+  const ShaderSource& source(uint32_t number) const { return sources_[number]; }
 
  private:
-  std::vector<std::string>& files_;
-  std::string failure_;  // of the last include
+  const std::string& textOf(const std::string& path) {
+    const auto found = std::find_if(sources_.begin(), sources_.end(),
+                                    [&](const ShaderSource& source) { return source.path == path && source.text; });
+    const auto number = uint32_t(found - sources_.begin());
+    if (found == sources_.end()) sources_.push_back({"", path, readTextFile(path)});
+    if (std::find(filesRead_.begin(), filesRead_.end(), number) == filesRead_.end()) filesRead_.push_back(number);
+    return *sources_[number].text;
+  }
+
+  std::deque<ShaderSource> sources_;  // grows without moving the texts, which glslang holds on to
+  std::vector<uint32_t> filesRead_ = {0};
+  std::string failure_;  // of the first include that failed
 };
 
 // The first error of a log, in the form of compilers and editors: "file:12: error: ...". glslang says "ERROR: file:12:
@@ -85,36 +114,54 @@ std::string firstError(const std::string& log, const std::string& path) {
   return path + ": error: " + log;
 }
 
-}  // namespace
-
-Spirv compileGlsl(const std::string& path, const std::string& preamble) {
+// The words, and which of the includer's sources went into them.
+CachedSpirv compile(const std::vector<ShaderSource>& sources, FileIncluder& includer, const std::string& preamble) {
   static const GlslangProcess process;
-  constexpr EShMessages kRules = EShMessages(EShMsgSpvRules | EShMsgVulkanRules);
-
-  Spirv spirv;
-  spirv.files.push_back(path);
-  const std::string source = readTextFile(path);
-  const char* text = source.data();
-  const int length = int(source.size());
+  const std::string& path = sources[0].path;
+  const char* text = sources[0].text->data();
+  const int length = int(sources[0].text->size());
   const char* name = path.c_str();
 
   glslang::TShader shader(EShLangCompute);
   shader.setStringsWithLengthsAndNames(&text, &length, &name, 1);
   shader.setPreamble(preamble.c_str());
   shader.setEnvInput(glslang::EShSourceGlsl, EShLangCompute, glslang::EShClientVulkan, 120);
-  shader.setEnvClient(glslang::EShClientVulkan, glslang::EShTargetVulkan_1_2);
-  shader.setEnvTarget(glslang::EShTargetSpv, glslang::EShTargetSpv_1_5);
-  FileIncluder includer(spirv.files);
-  const TBuiltInResource* limits = GetDefaultResources();
-  if (!shader.parse(limits, 460, ECoreProfile, false, true, kRules, includer))
+  shader.setEnvClient(glslang::EShClientVulkan, kClient);
+  shader.setEnvTarget(glslang::EShTargetSpv, kTarget);
+  if (!shader.parse(GetDefaultResources(), kDefaultVersion, ECoreProfile, false, true, kRules, includer))
     throw InputError(firstError(shader.getInfoLog(), path));
 
   glslang::TProgram program;
   program.addShader(&shader);
   if (!program.link(kRules)) throw InputError(firstError(program.getInfoLog(), path));
   glslang::SpvOptions options;
-  options.disableOptimizer = true;  // drivers optimise; lavapipe's and ours would do the same work twice
-  glslang::GlslangToSpv(*program.getIntermediate(EShLangCompute), spirv.words, &options);
+  options.disableOptimizer = kDisableOptimizer;
+  CachedSpirv compiled;
+  glslang::GlslangToSpv(*program.getIntermediate(EShLangCompute), compiled.words, &options);
+  compiled.files = includer.filesRead();
+  return compiled;
+}
+
+}  // namespace
+
+Spirv compileGlsl(const std::string& path, const std::string& preamble) {
+  const std::vector<ShaderSource> sources = readShaderSources(path);
+  const auto areSources = [&](const std::vector<uint32_t>& numbers) {
+    return std::all_of(numbers.begin(), numbers.end(), [&](uint32_t number) { return number < sources.size(); });
+  };
+  const std::string cache = spirvCacheFolder();
+  const std::string key = spirvKey(versionAndOptions() + '\n' + preamble, sources);
+  FileIncluder includer(sources);
+  std::optional<CachedSpirv> compiled = findCached(cache, key);
+  if (!compiled || !areSources(compiled->files)) {
+    compiled = compile(sources, includer, preamble);
+    // A shader that read more than the key knows cannot be found by it.
+    if (areSources(compiled->files)) keepCached(cache, key, *compiled);
+  }
+
+  Spirv spirv;
+  for (const uint32_t number : compiled->files) spirv.files.push_back(includer.source(number).path);
+  spirv.words = std::move(compiled->words);
   return spirv;
 }
 

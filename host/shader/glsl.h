@@ -1,4 +1,4 @@
-// Compiles GLSL to SPIR-V at run time. glslang appears in glsl.cpp only.
+// Compiles GLSL to SPIR-V at run time, or finds that it was compiled before. glslang appears in glsl.cpp only.
 #pragma once
 
 #include <cstdint>
@@ -14,6 +14,7 @@ struct Spirv {
 
 // Compiles a compute shader for Vulkan 1.2; #include "..." is looked for beside the including file. `preamble` is read
 // before its first line, which it does not move: "#define NAME value" lines.
+// What compiles is kept in the user's cache folder (spirv_cache.h) and found there as long as no file has changed.
 // Throws InputError with the compiler's first error as "file:line: error: ...".
 Spirv compileGlsl(const std::string& path, const std::string& preamble = {});
 
