@@ -104,7 +104,7 @@ mount_folder() {
 }
 
 mount -t proc proc "$root/proc"
-mount_folder /dev
+mount --rbind /dev "$root/dev"
 mount_folder /tmp
 mount_folder "$checkout"
 if [ -d "$checkout/../shared" ]; then

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdlib>
+#include <memory>
 #include <string>
 
 #include "picture/settings.h"
@@ -20,10 +21,22 @@ inline const Spirv& kernel() {
   return spirv;
 }
 
+// Empty until the first use. endRenderer() empties it again before the program ends: by its exit a validation layer may
+// have lost its own statics, and would abort.
+inline std::unique_ptr<ShaderRenderer>& rendererSlot() {
+  static std::unique_ptr<ShaderRenderer> slot;
+  return slot;
+}
+
+inline void endRenderer() {
+  rendererSlot().reset();
+}
+
 inline ShaderRenderer& renderer() {
   const char* wanted = std::getenv("TURNER_DEVICE");
-  static ShaderRenderer renderer(chooseDevice(listDevices(), wanted ? wanted : ""));
-  return renderer;
+  std::unique_ptr<ShaderRenderer>& slot = rendererSlot();
+  if (!slot) slot = std::make_unique<ShaderRenderer>(chooseDevice(listDevices(), wanted ? wanted : ""));
+  return *slot;
 }
 
 inline PackedScene packed(const Scene& scene) {
