@@ -48,7 +48,8 @@ root=${1:-$checkout/build/current-mesa}
 [ $# != 0 ] || set -- build/tests/turner_bench
 parent=$(dirname "$root")
 mkdir -p "$parent" "$checkout/build"
-root=$(cd "$parent" && pwd -P)/$(basename "$root")
+parent=$(cd "$parent" && pwd -P)
+root=${parent%/}/$(basename "$root")
 
 # Runs a command whose messages matter only if it fails.
 log=$(mktemp)
