@@ -133,8 +133,9 @@ if [ -n "$machine_build" ]; then
   export LD_LIBRARY_PATH="$libraries"
 else
   cp /etc/resolv.conf "$root/etc/resolv.conf"
-  mkdir -p "$root/build/release"
-  mount --bind "$root/build/release" "$root$checkout/build"
+  # One build for each checkout that uses the root.
+  mkdir -p "$root/build$checkout"
+  mount --bind "$root/build$checkout" "$root$checkout/build"
   in_root cmake/setup.sh >&2
   quietly in_root cmake --preset release
   quietly in_root cmake --build --preset release
