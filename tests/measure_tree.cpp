@@ -106,4 +106,5 @@ int main() {
   measure("cliff_hanger.json", loadScene(TURNER_SCENES_DIR "/cliff_hanger.json"));
   for (const int triangles : {100, 1000, 10'000, 100'000})
     measure(fmt::format("sphere of {} triangles", triangles), tessellatedSphere(triangles));
+  test::endRenderer();
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdlib>
+#include <memory>
 #include <string>
 
 #include "picture/settings.h"
@@ -20,9 +21,21 @@ inline std::string wantedDevice() {
   return wanted ? wanted : "";
 }
 
+// Empty until the first use. endRenderer() empties it again before the program ends: by its exit a validation layer may
+// have lost its own statics, and would abort.
+inline std::unique_ptr<ShaderRenderer>& rendererSlot() {
+  static std::unique_ptr<ShaderRenderer> slot;
+  return slot;
+}
+
+inline void endRenderer() {
+  rendererSlot().reset();
+}
+
 inline ShaderRenderer& renderer() {
-  static ShaderRenderer renderer(chooseDevice(listDevices(), wantedDevice()));
-  return renderer;
+  std::unique_ptr<ShaderRenderer>& slot = rendererSlot();
+  if (!slot) slot = std::make_unique<ShaderRenderer>(chooseDevice(listDevices(), wantedDevice()));
+  return *slot;
 }
 
 inline Spirv compileKernel(Fetch fetch) {
