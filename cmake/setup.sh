@@ -7,7 +7,7 @@ packages="
   g++ cmake ninja-build pkg-config
   libvulkan-dev mesa-vulkan-drivers vulkan-validationlayers
   glslang-dev glslang-tools spirv-tools libglm-dev libembree-dev libopenexr-dev libpng-dev
-  libcli11-dev libfmt-dev rapidjson-dev libgeos-dev libmd-dev
+  libcli11-dev libfmt-dev rapidjson-dev libgeos-dev nettle-dev
   libgtest-dev libgmock-dev python3 python3-jsonschema
   $*"
 

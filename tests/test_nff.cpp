@@ -13,6 +13,7 @@
 
 #include "damage.h"
 #include "errors.h"
+#include "loading_speed.h"
 #include "scene/scene_nff.h"
 #include "scene/text_file.h"
 
@@ -354,6 +355,37 @@ const std::string kSmall = "# small\nb 0.5 0.25 1e-3\n" + kView + "l 1 2 3\nl 1 
 
 TEST(Nff, DamagedFilesParseOrAreRefused) {
   test::expectSurvivesDamage([](const std::string& text) { parse(text); }, kSmall, "dir/test.nff");
+}
+
+TEST(Nff, LargeFilesAreReadFast) {
+  std::mt19937_64 random(1);
+  const auto vector = [&] {
+    std::string numbers;
+    for (int k = 0; k < 3; ++k) numbers += ' ' + std::to_string(1e-6 * double(random() % 20'000'000) - 10);
+    return numbers.substr(1);
+  };
+  std::string text = kMaterial;
+  constexpr size_t kEach = 10'000;
+  for (size_t i = 0; i < kEach; ++i) {
+    text += "s " + vector() + " 0.25\n";
+    text += "p 3\n" + vector() + '\n' + vector() + '\n' + vector() + '\n';
+    text += "pp 3\n";
+    for (int k = 0; k < 3; ++k) text += vector() + ' ' + vector() + '\n';
+  }
+  // Gears, as the SPD has them, are the hard part of a file.
+  for (int gear = 0; gear < 10; ++gear) {
+    text += "p 144\n";
+    for (int i = 0; i < 144; ++i) {
+      const double angle = 2 * M_PI * i / 144, radius = i % 4 < 2 ? 1 : 0.8;
+      text += std::to_string(radius * std::cos(angle)) + ' ' + std::to_string(radius * std::sin(angle)) + " 0\n";
+    }
+  }
+  const Scene scene = parse(text);
+  EXPECT_EQ(scene.spheres.size(), kEach);
+  EXPECT_EQ(scene.triangles.size(), 2 * kEach + 10 * 142);
+  const double ratio = test::timeBesideSumming(text, [](const std::string& t) { parse(t); });
+  RecordProperty("time_beside_summing", std::to_string(ratio));
+  EXPECT_LT(ratio, test::kMostTimeBesideSumming);
 }
 
 TEST(Nff, SharedScenesHaveTheirPublishedCounts) {

@@ -10,6 +10,7 @@
 
 #include "damage.h"
 #include "errors.h"
+#include "loading_speed.h"
 #include "scene/mesh_obj.h"
 #include "scene/text_file.h"
 
@@ -194,6 +195,28 @@ const std::string kSmall = "# small\nmtllib a.mtl\n" + kSquare + "v 0.5 0.25 1e-
 
 TEST(Obj, DamagedFilesParseOrAreRefused) {
   test::expectSurvivesDamage([](const std::string& text) { parse(text); }, kSmall, "x.obj");
+}
+
+// A grid of bumps, as programs write it.
+TEST(Obj, LargeFilesAreReadFast) {
+  constexpr int kSide = 200;
+  std::string text;
+  for (const char* word : {"v", "vn"}) {
+    for (int i = 0; i < kSide * kSide; ++i) {
+      const double x = 0.01 * (i % kSide), y = 0.01 * (i / kSide);
+      text += std::string(word) + ' ' + std::to_string(x) + ' ' + std::to_string(y) + ' ' +
+              std::to_string(1 + std::sin(9 * x) * std::cos(7 * y)) + '\n';
+    }
+  }
+  for (int i = 0; i + kSide + 1 < kSide * kSide; ++i) {
+    const auto corner = [](int k) { return std::to_string(k + 1) + "//" + std::to_string(k + 1); };
+    text += "f " + corner(i) + ' ' + corner(i + 1) + ' ' + corner(i + kSide) + '\n';
+    text += "f " + corner(i + 1) + ' ' + corner(i + kSide + 1) + ' ' + corner(i + kSide) + '\n';
+  }
+  EXPECT_EQ(parse(text).faces.size(), 2u * (kSide * kSide - kSide - 1));
+  const double ratio = test::timeBesideSumming(text, [](const std::string& t) { parse(t); });
+  RecordProperty("time_beside_summing", std::to_string(ratio));
+  EXPECT_LT(ratio, test::kMostTimeBesideSumming);
 }
 
 TEST(Obj, SharedMeshesHaveTheirCounts) {

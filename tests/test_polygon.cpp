@@ -11,7 +11,9 @@
 #include <string>
 #include <vector>
 
+#include "scene/plane.h"
 #include "scene/polygon.h"
+#include "scene/simple_polygon.h"
 
 namespace turner {
 namespace {
@@ -270,6 +272,95 @@ TEST(Polygon, RandomOutlinesAreCoveredOrRefused) {
     }
   }
   EXPECT_GT(covered, 500);
+}
+
+// Whole numbers of 40 bits: their products are exact in integers of 128 bits.
+TEST(Polygon, OrientationIsExact) {
+  std::mt19937_64 random(3);
+  const auto coordinate = [&] { return int64_t(random() % (uint64_t(1) << 40)); };
+  int straight = 0;
+  for (int trial = 0; trial < 200'000; ++trial) {
+    std::array<int64_t, 6> p{coordinate(), coordinate(), coordinate(), coordinate(), coordinate(), coordinate()};
+    if (trial % 4 != 0) {
+      // c on the line through a and b, or one step beside it.
+      const auto along = int64_t(random() % 7) - 3;
+      p[2] = p[0] + int64_t(random() % 4096), p[3] = p[1] + int64_t(random() % 4096);
+      p[4] = p[0] + along * (p[2] - p[0]) + int64_t(random() % 2), p[5] = p[1] + along * (p[3] - p[1]);
+    }
+    __extension__ using Integer = __int128;
+    const Integer determinant = Integer(p[0] - p[4]) * (p[3] - p[5]) - Integer(p[1] - p[5]) * (p[2] - p[4]);
+    const int expected = determinant > 0 ? 1 : determinant < 0 ? -1 : 0;
+    straight += expected == 0;
+    // A power of two changes nothing.
+    const double scale = trial % 2 ? 0x1p-60 : 1;
+    const auto point = [&](size_t k) { return Point{scale * double(p[k]), scale * double(p[k + 1])}; };
+    ASSERT_EQ(orientation(point(0), point(2), point(4)), expected) << trial;
+  }
+  EXPECT_GT(straight, 50'000);
+}
+
+std::vector<Point> inPlane(const Corners& corners) {
+  std::vector<Point> points;
+  for (const glm::dvec3& corner : corners) points.push_back({corner.x, corner.y});
+  return points;
+}
+
+TEST(Polygon, SimpleOutlinesAreToldFromOthers) {
+  for (const Corners& outline : {gear(36), star(5, 0.4), star(500, 0.01), spiral(300), comb(50)}) {
+    EXPECT_TRUE(isSimple(inPlane(outline)));
+    EXPECT_TRUE(isSimple(inPlane(reversed(outline))));
+  }
+  // Straight corners and needles touch nothing.
+  EXPECT_TRUE(isSimple(inPlane({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}})));
+  EXPECT_TRUE(isSimple(inPlane({{0, 0, 0}, {1e8, 1e-8, 0}, {2e8, 0, 0}, {1e8, 5e-9, 0}, {5e7, 4e-9, 0}})));
+  // An 8; a corner on an edge; a corner on a corner; a spike; an edge along an edge.
+  EXPECT_FALSE(isSimple(inPlane({{0, 0, 0}, {2, 2, 0}, {2, 0, 0}, {0, 2, 0}})));
+  EXPECT_FALSE(isSimple(inPlane({{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {2, 0, 0}, {0, 4, 0}})));
+  EXPECT_FALSE(isSimple(inPlane({{0, 0, 0}, {2, 0, 0}, {4, 0, 0}, {4, 4, 0}, {2, 0, 0}, {0, 4, 0}})));
+  EXPECT_FALSE(isSimple(inPlane({{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {6, 6, 0}, {4, 4, 0}, {0, 4, 0}})));
+  EXPECT_FALSE(isSimple(inPlane({{0, 0, 0}, {4, 0, 0}, {4, 2, 0}, {3, 0, 0}, {2, 0, 0}, {0, 4, 0}})));
+}
+
+// No point across an edge lies in the circle around a triangle: slivers are no worse than the outline makes them.
+TEST(Polygon, TrianglesFollowDelaunaysRule) {
+  for (const Corners& corners : {gear(36), star(5, 0.4), star(50, 0.3), spiral(100), comb(20)}) {
+    SCOPED_TRACE(std::to_string(corners.size()) + " corners");
+    const std::vector<Point> points = inPlane(corners);
+    const Triangles triangles = triangulateSimple(points);
+    ASSERT_EQ(triangles.size(), points.size() - 2);
+    int shared = 0;
+    for (const auto& triangle : triangles) {
+      for (const auto& other : triangles) {
+        const auto apart = [](const auto& t, const auto& from) {
+          std::vector<uint32_t> rest;
+          for (const uint32_t i : t) {
+            if (std::find(from.begin(), from.end(), i) == from.end()) rest.push_back(i);
+          }
+          return rest;
+        };
+        const std::vector<uint32_t> beyond = apart(other, triangle);
+        if (beyond.size() != 1) continue;
+        ++shared;
+        const Point d = points[beyond[0]];
+        std::array<long double, 3> x, y, square;
+        for (size_t k = 0; k < 3; ++k) {
+          x[k] = (long double)points[triangle[k]].x - d.x, y[k] = (long double)points[triangle[k]].y - d.y;
+          square[k] = x[k] * x[k] + y[k] * y[k];
+        }
+        const long double inside = square[0] * (x[1] * y[2] - x[2] * y[1]) + square[1] * (x[2] * y[0] - x[0] * y[2]) +
+                                   square[2] * (x[0] * y[1] - x[1] * y[0]);
+        const long double size = square[0] + square[1] + square[2];
+        EXPECT_LE(inside, 1e-14L * size * size);
+      }
+    }
+    EXPECT_EQ(shared, 2 * int(triangles.size() - 1));
+  }
+}
+
+// Their cost must not be that of their corners squared many times over: this took minutes once.
+TEST(Polygon, LongOutlinesAreCut) {
+  expectCutsAtAllCorners(spiral(5000));
+  expectCutsAtAllCorners(gear(2500));
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "scene/faults.h"
 #include "scene/number.h"
 #include "scene/polygon.h"
+#include "scene/room.h"
 #include "scene/text_scanner.h"
 
 namespace turner {
@@ -33,10 +34,41 @@ bool contains(const std::vector<std::string>& words, std::string_view word) {
   return std::find(words.begin(), words.end(), word) != words.end();
 }
 
+struct Counts {
+  size_t vertices = 0, normals = 0, faces = 0;
+};
+
+// How much room the mesh will need: at least, since lines may be indented and faces may have more than three corners.
+Counts countStatements(std::string_view text) {
+  Counts counts;
+  for (size_t at = 0; at + 1 < text.size();) {
+    if (text[at] == 'f') {
+      ++counts.faces;
+    } else if (text[at] == 'v') {
+      if (text[at + 1] == 'n') {
+        ++counts.normals;
+      } else if (text[at + 1] != 't') {
+        ++counts.vertices;
+      }
+    }
+    const size_t lineEnd = text.find('\n', at);
+    if (lineEnd == std::string_view::npos) break;
+    at = lineEnd + 1;
+  }
+  // A file of lines that are cut off must not take more memory than a right one of its size.
+  const size_t most = text.size() / std::string_view("v 0 0 0\n").size();
+  return {std::min(counts.vertices, most), std::min(counts.normals, most), std::min(counts.faces, most)};
+}
+
 class ObjParser {
  public:
   ObjParser(const std::string& path, std::string_view text)
-      : lines_(text, TextScanner::Continuation::backslash), faults_(path, text), size_(text.size()) {}
+      : lines_(text, TextScanner::Continuation::backslash), faults_(path, text), size_(text.size()) {
+    const Counts counts = countStatements(text);
+    makeRoom(mesh_.positions, counts.vertices);
+    makeRoom(mesh_.normals, counts.normals);
+    makeRoom(mesh_.faces, counts.faces);
+  }
 
   Mesh parse() {
     while (lines_.nextLine()) {
@@ -99,6 +131,7 @@ class ObjParser {
   glm::dvec3 readVector(const char* form) {
     glm::dvec3 vector;
     for (int i = 0; i < 3; ++i) {
+      if (size_t offset; lines_.nextPlainNumber(vector[i], offset)) continue;
       const Token token = lines_.next();
       if (token.text.empty()) {
         fail(token.offset, "found " + std::to_string(i) + (i == 1 ? " number" : " numbers") +
@@ -115,6 +148,7 @@ class ObjParser {
     constexpr const char* kForm = "v x y z, a weight or a colour r g b or both behind it";
     mesh_.positions.emplace_back(0);  // even a wrong vertex counts, or the faces would be wrong too
     mesh_.positions.back() = readVector(kForm);
+    if (lines_.atLineEnd()) return;
     int extra = 0;
     Token token = lines_.next();
     for (; !token.text.empty() && extra < 4; token = lines_.next(), ++extra) {
@@ -157,7 +191,35 @@ class ObjParser {
     fail(place.offset, "there is no " + std::string(what) + " " + quoted(text) + "; " + range);
   }
 
+  // Reads a corner without signs whose indices exist, as almost all are. False for any other.
+  bool readPlainCorner(std::string_view text, Corner& corner) const {
+    const char* at = text.data();
+    const char* const end = at + text.size();
+    // An index of a few digits; 0 if there is none.
+    const auto readIndex = [&] {
+      constexpr std::ptrdiff_t kMostDigits = 9;
+      const char* const last = at + std::min(kMostDigits, end - at);
+      uint32_t index = 0;
+      for (; at != last && *at >= '0' && *at <= '9'; ++at) index = 10 * index + uint32_t(*at - '0');
+      return index;
+    };
+    const uint32_t vertex = readIndex();
+    if (vertex == 0 || vertex > mesh_.positions.size()) return false;
+    corner = {vertex - 1, UINT32_MAX};
+    if (at == end) return true;
+    if (*at++ != '/') return false;
+    readIndex();  // the texture coordinate is not used
+    if (at == end) return true;
+    if (*at++ != '/') return false;
+    if (at == end) return true;
+    const uint32_t normal = readIndex();
+    if (at != end || normal == 0 || normal > mesh_.normals.size()) return false;
+    corner.normal = normal - 1;
+    return true;
+  }
+
   Corner readCorner(const Token& token) {
+    if (Corner corner; readPlainCorner(token.text, corner)) return corner;
     std::array<std::string_view, 3> parts;
     size_t count = 0;
     for (std::string_view rest = token.text;; ++count) {

@@ -1,6 +1,6 @@
 // In: the corners of a polygon in space. Out: triangles over them. The polygon is projected along the axis to which its
-// normal is closest, by dropping that coordinate: the points of the plane are then the input's own numbers, and the
-// triangles that GEOS returns are matched to corners by equality.
+// normal is closest, by dropping that coordinate: the points of the plane are then the input's own numbers. Outlines
+// that touch themselves go to GEOS, whose triangles are matched to corners by equality.
 #include "scene/polygon.h"
 
 #include <geos_c.h>
@@ -15,14 +15,12 @@
 #include <string>
 #include <utility>
 
+#include "scene/plane.h"
+#include "scene/simple_polygon.h"
+
 namespace turner {
 
 namespace {
-
-struct Point {
-  double x, y;
-  auto operator<=>(const Point&) const = default;
-};
 
 using Triangle3 = std::array<uint32_t, 3>;
 using Edge = std::pair<Point, Point>;
@@ -42,18 +40,6 @@ struct DestroyGeometry {
 };
 using Geometry = std::unique_ptr<GEOSGeometry, DestroyGeometry>;
 
-// The side of c seen from the line through a and b: 1 left, -1 right, 0 exactly on it.
-int orientation(Point a, Point b, Point c) {
-  // Shewchuk, "Adaptive Precision Floating-Point Arithmetic", 1997, section 4.3: beyond this bound the sign is certain.
-  const double left = (a.x - c.x) * (b.y - c.y), right = (a.y - c.y) * (b.x - c.x);
-  const double determinant = left - right;
-  const double bound = 3.3306690738754716e-16 * (std::abs(left) + std::abs(right));
-  if (determinant > bound) return 1;
-  if (determinant < -bound) return -1;
-  // GEOS calculates with twice the digits and gets the same sign in its own decisions.
-  return GEOSOrientationIndex_r(geos(), a.x, a.y, b.x, b.y, c.x, c.y);
-}
-
 // The outline in the plane: points, and the corner that each of them is. No point equals its successor.
 struct Outline {
   std::vector<Point> points;
@@ -65,11 +51,12 @@ struct Outline {
   int turn(size_t i) const { return orientation(points[before(i)], points[i], points[after(i)]); }
 };
 
-// The axis to which the polygon's normal is closest (Newell's method).
-int dominantAxis(std::span<const glm::dvec3> corners) {
+// The axis to which the normal of the polygon, times `scale`, is closest (Newell's method).
+int dominantAxis(std::span<const glm::dvec3> corners, double scale) {
   glm::dvec3 normal(0), magnitude(0);
+  const glm::dvec3 first = scale * corners[0];
   for (size_t i = 1; i + 1 < corners.size(); ++i) {
-    const glm::dvec3 part = glm::cross(corners[i] - corners[0], corners[i + 1] - corners[0]);
+    const glm::dvec3 part = glm::cross(scale * corners[i] - first, scale * corners[i + 1] - first);
     normal += part;
     magnitude += glm::abs(part);
   }
@@ -82,21 +69,31 @@ int dominantAxis(std::span<const glm::dvec3> corners) {
 
 // Drops the axis, keeping the orientation. A power of two brings the size to about 1: that is exact, and products of
 // very small or large coordinates neither vanish nor overflow.
-Outline project(std::span<const glm::dvec3> corners) {
+struct Projection {
+  double scale;
+  int first, second;  // the axes that are left
+
+  Point operator()(const glm::dvec3& corner) const { return {scale * corner[first], scale * corner[second]}; }
+};
+
+// At least one corner.
+Projection projectionOf(std::span<const glm::dvec3> corners) {
   double extent = 0;
   for (const glm::dvec3& corner : corners) {
     extent = std::max({extent, std::abs(corner.x), std::abs(corner.y), std::abs(corner.z)});
   }
   const double scale = extent > 0 ? std::scalbn(1.0, std::clamp(-std::ilogb(extent), -1000, 1000)) : 1;
-  std::vector<glm::dvec3> scaled(corners.begin(), corners.end());
-  for (glm::dvec3& corner : scaled) corner *= scale;
+  const int axis = dominantAxis(corners, scale);
+  return {scale, (axis + 1) % 3, (axis + 2) % 3};
+}
 
-  const int axis = dominantAxis(scaled), first = (axis + 1) % 3, second = (axis + 2) % 3;
+Outline project(std::span<const glm::dvec3> corners) {
+  const Projection projection = projectionOf(corners);
   Outline outline;
-  outline.points.reserve(scaled.size());
-  outline.corners.reserve(scaled.size());
-  for (uint32_t i = 0; i < scaled.size(); ++i) {
-    const Point point{scaled[i][first], scaled[i][second]};
+  outline.points.reserve(corners.size());
+  outline.corners.reserve(corners.size());
+  for (uint32_t i = 0; i < corners.size(); ++i) {
+    const Point point = projection(corners[i]);
     if (!outline.points.empty() && outline.points.back() == point) continue;
     outline.points.push_back(point);
     outline.corners.push_back(i);
@@ -313,10 +310,24 @@ std::vector<Triangle3> constrainedDelaunay(const Outline& outline, const GEOSGeo
 }  // namespace
 
 std::vector<Triangle3> triangulatePolygon(std::span<const glm::dvec3> corners) {
+  if (corners.size() < 3) return {};
+  if (corners.size() == 3) {
+    // What follows would say the same, but most polygons are triangles, and there are millions of them.
+    const Projection project3 = projectionOf(corners);
+    const bool hasArea = orientation(project3(corners[0]), project3(corners[1]), project3(corners[2])) != 0;
+    return hasArea ? std::vector<Triangle3>{Triangle3{0, 1, 2}} : std::vector<Triangle3>();
+  }
   const Outline outline = project(corners);
   if (outline.size() < 3) return {};
   if (std::vector<Triangle3> triangles = fan(outline); !triangles.empty()) return triangles;
   if (isCollinear(outline)) return {};
+  if (isSimple(outline.points)) {
+    std::vector<Triangle3> triangles = triangulateSimple(outline.points);
+    for (Triangle3& triangle : triangles) {
+      for (uint32_t& point : triangle) point = outline.corners[point];
+    }
+    if (!triangles.empty()) return triangles;
+  }
   const Geometry area = triangulable(outline);
   return area ? constrainedDelaunay(outline, area.get()) : std::vector<Triangle3>();
 }

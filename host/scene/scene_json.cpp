@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <future>
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <map>
@@ -18,6 +19,7 @@
 #include "scene/json_fields.h"
 #include "scene/json_tree.h"
 #include "scene/mesh_obj.h"
+#include "scene/room.h"
 #include "scene/text_file.h"
 
 namespace turner {
@@ -350,6 +352,7 @@ const Mesh* SceneReader::loadMesh(size_t at, const Field& field, const std::stri
     fields_.addMessage(at, field, "found " + quote(file) + "; " + reason);
     return nullptr;
   }
+  std::future<std::string> hash = std::async(sha256Hex, std::string_view(text));  // beside the parser, on another core
   try {
     mesh = parseObj(path, text);
   } catch (const InputError& error) {
@@ -357,7 +360,7 @@ const Mesh* SceneReader::loadMesh(size_t at, const Field& field, const std::stri
     meshFaults_ += error.what();
     return nullptr;
   }
-  scene_.sources.push_back({file, sha256Hex(text)});
+  scene_.sources.push_back({file, hash.get()});
   return &*mesh;
 }
 
@@ -365,20 +368,22 @@ const Mesh* SceneReader::loadMesh(size_t at, const Field& field, const std::stri
 bool SceneReader::placeMesh(const Mesh& mesh, uint32_t material, double scale, const glm::dvec3& degrees,
                             const glm::dvec3& translation) {
   const glm::dmat3 rotation = rotationOfDegrees(degrees);
-  std::vector<glm::dvec3> positions;
-  positions.reserve(mesh.positions.size());
+  const auto place = [&](const glm::dvec3& position) { return rotation * (scale * position) + translation; };
   for (const glm::dvec3& position : mesh.positions) {
-    const glm::dvec3 placed = rotation * (scale * position) + translation;
+    const glm::dvec3 placed = place(position);
     if (!(kAnyNumber.holds(placed.x) && kAnyNumber.holds(placed.y) && kAnyNumber.holds(placed.z))) return false;
-    positions.push_back(placed);
   }
 
+  const auto isSmooth = [](const Mesh::Face& face) { return face.normals[0] != UINT32_MAX; };
+  makeRoom(scene_.triangles, mesh.faces.size());
+  makeRoom(scene_.normals, size_t(std::count_if(mesh.faces.begin(), mesh.faces.end(), isSmooth)));
   for (const Mesh::Face& face : mesh.faces) {
     Triangle triangle{};
     triangle.material = material;
     triangle.normals = kNoNormals;
-    for (size_t i = 0; i < 3; ++i) triangle.vertices[i] = positions[face.vertices[i]];
-    if (face.normals[0] != UINT32_MAX) {
+    // Placed for each triangle anew, though triangles share vertices: placed copies would take memory and more time.
+    for (size_t i = 0; i < 3; ++i) triangle.vertices[i] = place(mesh.positions[face.vertices[i]]);
+    if (isSmooth(face)) {
       triangle.normals = static_cast<uint32_t>(scene_.normals.size());
       std::array<glm::dvec3, 3>& normals = scene_.normals.emplace_back();
       for (size_t i = 0; i < 3; ++i) normals[i] = rotation * scaleToUnitBox(mesh.normals[face.normals[i]]);

@@ -37,13 +37,18 @@ ParsedScene parseByExtension(const std::string& path) {
 // Whether the cross product of two edges vanishes. The edges are brought to about 1 first, by powers of two, so that it
 // does so for the triangle's shape and not because tiny numbers underflow.
 bool hasNoArea(const Triangle& triangle) {
+  const auto& [a, b, c] = triangle.vertices;
+  // Whatever is as large as this without that is so with it too.
+  constexpr double kFarFromUnderflow = 1e-280;
+  const glm::dvec3 size = glm::abs(glm::cross(b - a, c - a));
+  if (std::max({size.x, size.y, size.z}) > kFarFromUnderflow) return false;
+
   const auto scaled = [](glm::dvec3 edge) {
     const double largest = std::max({std::abs(edge.x), std::abs(edge.y), std::abs(edge.z)});
     if (largest == 0) return edge;
     const int exponent = -std::ilogb(largest);
     return glm::dvec3(std::scalbn(edge.x, exponent), std::scalbn(edge.y, exponent), std::scalbn(edge.z, exponent));
   };
-  const auto& [a, b, c] = triangle.vertices;
   return b == c || glm::cross(scaled(b - a), scaled(c - a)) == glm::dvec3(0);
 }
 

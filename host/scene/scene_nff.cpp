@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <future>
 #include <glm/geometric.hpp>
 #include <initializer_list>
 #include <numbers>
@@ -18,6 +19,7 @@
 #include "scene/faults.h"
 #include "scene/number.h"
 #include "scene/polygon.h"
+#include "scene/room.h"
 #include "scene/text_file.h"
 #include "scene/text_scanner.h"
 
@@ -32,7 +34,8 @@ constexpr std::array<std::string_view, 6> kViewWords{"from", "at", "up", "angle"
 constexpr size_t kMostFaults = 100;
 
 bool isEntity(std::string_view word) {
-  return std::find(kEntities.begin(), kEntities.end(), word) != kEntities.end();
+  // Almost every line of a large file begins with a number.
+  return word.size() <= 2 && std::find(kEntities.begin(), kEntities.end(), word) != kEntities.end();
 }
 size_t viewWordIndex(std::string_view word) {
   return size_t(std::find(kViewWords.begin(), kViewWords.end(), word) - kViewWords.begin());
@@ -77,12 +80,51 @@ double lengthOf(const glm::dvec3& v) {
   return std::hypot(v.x, v.y, v.z);
 }  // without overflow or underflow
 
+struct Counts {
+  size_t spheres = 0, triangles = 0, smooth = 0, cones = 0;
+};
+
+// How much room the scene will need if each entity begins at the start of its line; `triangles` without those of cones.
+Counts countPrimitives(std::string_view text) {
+  Counts counts;
+  // The least text that a corner and a sphere may have; a file that announces more must not get the memory for it.
+  const size_t mostCorners = text.size() / std::string_view("0 0 0\n").size();
+  const size_t mostSpheres = text.size() / std::string_view("s 0 0 0 1\n").size();
+  for (size_t at = 0; at < text.size();) {
+    if (text[at] == 's') {
+      ++counts.spheres;
+    } else if (text[at] == 'c') {
+      ++counts.cones;
+    } else if (text[at] == 'p') {
+      const bool smooth = at + 1 < text.size() && text[at + 1] == 'p';
+      size_t corners = 0;
+      for (size_t digit = at + (smooth ? 3 : 2); digit < text.size() && corners <= mostCorners; ++digit) {
+        if (text[digit] < '0' || text[digit] > '9') break;
+        corners = 10 * corners + size_t(text[digit] - '0');
+      }
+      if (corners > 2) (smooth ? counts.smooth : counts.triangles) += std::min(corners, mostCorners) - 2;
+    }
+    const size_t lineEnd = text.find('\n', at);
+    if (lineEnd == std::string_view::npos) break;
+    at = lineEnd + 1;
+  }
+  counts.triangles += counts.smooth;
+  return {std::min(counts.spheres, mostSpheres), std::min(counts.triangles, mostCorners),
+          std::min(counts.smooth, mostCorners), counts.cones};
+}
+
 class NffParser {
  public:
   NffParser(const std::string& path, std::string_view text) : lines_(text), faults_(path, text) {
+    const Counts counts = countPrimitives(text);
+    conesToCome_ = double(counts.cones);
+    makeRoom(result_.scene.spheres, counts.spheres);
+    makeRoom(result_.scene.triangles, counts.triangles);
+    makeRoom(result_.scene.normals, counts.smooth);
     const std::filesystem::path file(path);
     result_.scene.name = file.stem().string();
-    result_.scene.sources = {{file.filename().string(), sha256Hex(text)}};
+    result_.scene.sources = {{file.filename().string(), ""}};
+    hash_ = std::async(sha256Hex, text);  // beside the parser, on another core
   }
 
   ParsedScene parse() {
@@ -97,6 +139,7 @@ class NffParser {
     faults_.throwIfAny();
     colorLights();
     noteDroppedPolygons();
+    result_.scene.sources[0].sha256 = hash_.get();
     return std::move(result_);
   }
 
@@ -172,6 +215,10 @@ class NffParser {
   Numbers readNumbers(std::initializer_list<size_t> allowed, std::string_view form) {
     Numbers numbers;
     const size_t most = std::max(allowed);
+    while (numbers.count < most &&
+           lines_.nextPlainNumber(numbers.values[numbers.count], numbers.offsets[numbers.count])) {
+      ++numbers.count;
+    }
     for (Token token = lines_.next(); !token.text.empty(); token = lines_.next()) {
       if (numbers.count == most) {
         fail(token.offset, "more on the line than expected: " + quoted(token.text) + "; allowed is " +
@@ -383,6 +430,20 @@ class NffParser {
             currentMaterial(word));
   }
 
+  // Makes room for the triangles of a cone and, if they are like those so far, of all that follow.
+  void makeRoomForCone(size_t count) {
+    ++conesSoFar_;
+    coneTriangles_ += double(count);
+    conesToCome_ = std::max(0.0, conesToCome_ - 1);
+    std::vector<Triangle>& triangles = result_.scene.triangles;
+    if (triangles.capacity() - triangles.size() >= count) return;
+    // The first cones may be unlike the rest: beyond a few MiB, room grows with what is there.
+    const double most = 65536 + 16 * double(triangles.size());
+    const size_t room = count + size_t(std::min(most, coneTriangles_ / conesSoFar_ * conesToCome_));
+    makeRoom(triangles, room);
+    makeRoom(result_.scene.normals, room);
+  }
+
   // Strips of the cone's side between neighbouring angles, smooth by the normals of the cone itself.
   void addCone(const glm::dvec3& base, double baseRadius, const glm::dvec3& apex, double apexRadius, bool inward,
                uint32_t material) {
@@ -411,6 +472,7 @@ class NffParser {
     };
 
     const int pieces = conePieces(length, std::max(baseRadius, apexRadius));
+    makeRoomForCone(size_t(pieces) * 2 * kConeSegments);
     for (int piece = 0; piece < pieces; ++piece) {
       // Neighbouring pieces compute their common rim alike, so that it has no cracks.
       const double from = double(piece) / pieces, to = double(piece + 1) / pieces;
@@ -543,10 +605,12 @@ class NffParser {
   TextScanner lines_;
   Faults faults_;
   ParsedScene result_;
+  std::future<std::string> hash_;
   bool atLineStart_ = false;  // whether the current line is still to be looked at
   bool hasBackground_ = false;
   bool saidNoMaterial_ = false;
   size_t polygonsWithoutArea_ = 0;
+  double conesSoFar_ = 0, conesToCome_ = 0, coneTriangles_ = 0;
   std::vector<size_t> lightsWithoutColor_;
   std::vector<glm::dvec3> corners_, cornerNormals_;  // of the polygon being read; kept for their memory
 };

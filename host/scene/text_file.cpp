@@ -1,29 +1,52 @@
-// stdio and libmd.
+// System calls and nettle.
 #include "scene/text_file.h"
 
-#include <sha256.h>
+#include <fcntl.h>
+#include <nettle/sha2.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
+#include <array>
 #include <cerrno>
-#include <cstdio>
+#include <cstdint>
 #include <cstring>
 #include <filesystem>
-#include <memory>
 
 #include "errors.h"
+#include "scene/room.h"
 
 namespace turner {
 
 std::string readTextFile(const std::string& path) {
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored)) throw InputError(path + ": error: is a folder, not a file");
-  const std::unique_ptr<FILE, int (*)(FILE*)> file(std::fopen(path.c_str(), "rb"), std::fclose);
-  if (!file) throw InputError(path + ": error: cannot open: " + std::strerror(errno));
+  const struct File {
+    int descriptor;
+    ~File() {
+      if (descriptor >= 0) close(descriptor);
+    }
+  } file{open(path.c_str(), O_RDONLY | O_CLOEXEC)};
+  if (file.descriptor < 0) throw InputError(path + ": error: cannot open: " + std::strerror(errno));
+
+  // One byte more than the size, so that one more read tells the end. A pipe has no size, and a file may grow.
+  struct stat status {};
+  size_t room = fstat(file.descriptor, &status) == 0 ? size_t(status.st_size) + 1 : 1;
   std::string text;
-  char block[1 << 16];
-  size_t got;
-  while ((got = std::fread(block, 1, sizeof block, file.get())) > 0) text.append(block, got);
-  if (std::ferror(file.get())) throw InputError(path + ": error: cannot read: " + std::strerror(errno));
-  return text;
+  for (size_t got = 0;; room = 2 * room + (size_t(1) << 16)) {
+    text.reserve(room);
+    mapPages(text.data() + got, room - got);
+    text.resize(room);
+    while (got < room) {
+      const ssize_t count = read(file.descriptor, text.data() + got, room - got);
+      if (count < 0 && errno == EINTR) continue;
+      if (count < 0) throw InputError(path + ": error: cannot read: " + std::strerror(errno));
+      if (count == 0) {
+        text.resize(got);
+        return text;
+      }
+      got += size_t(count);
+    }
+  }
 }
 
 std::string lowerExtension(const std::string& path) {
@@ -33,8 +56,17 @@ std::string lowerExtension(const std::string& path) {
 }
 
 std::string sha256Hex(std::string_view bytes) {
-  char hex[SHA256_DIGEST_STRING_LENGTH];
-  SHA256Data(reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size(), hex);
+  sha256_ctx context;
+  sha256_init(&context);
+  sha256_update(&context, bytes.size(), reinterpret_cast<const uint8_t*>(bytes.data()));
+  std::array<uint8_t, SHA256_DIGEST_SIZE> digest;
+  sha256_digest(&context, digest.size(), digest.data());
+  std::string hex;
+  for (const uint8_t byte : digest) {
+    constexpr const char* kDigits = "0123456789abcdef";
+    hex += kDigits[byte >> 4];
+    hex += kDigits[byte & 15];
+  }
   return hex;
 }
 
