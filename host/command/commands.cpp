@@ -121,9 +121,17 @@ DeviceInfo chooseAndTell(const RenderOptions& options) {
   return device;
 }
 
-// scene -> rounded -> tree -> packed -> device -> picture
-Rendered renderWithShader(const Scene& scene, const RenderSettings& settings, const RenderOptions& options,
-                          bool countRays) {
+// What is told of a scene when its geometry has gone into the renderer.
+Scene withoutGeometry(const Scene& scene) {
+  Scene rest;
+  rest.name = scene.name;
+  rest.camera = scene.camera;
+  rest.sources = scene.sources;
+  return rest;
+}
+
+// scene -> rounded -> tree -> packed -> device -> picture. Of a large scene no step's value is kept beyond the next.
+Rendered renderWithShader(Scene scene, const RenderSettings& settings, const RenderOptions& options, bool countRays) {
   Rendered result;
   Stats& stats = result.stats;
   stats.backend = "shader";
@@ -132,11 +140,12 @@ Rendered renderWithShader(const Scene& scene, const RenderSettings& settings, co
   ShaderRenderer renderer(stats.device);
 
   Stopwatch watch;
-  const Scene local = roundScene(scene);
-  checkReach(local);
-  const std::vector<Box> boxes = primitiveBoxes(local);
-  const Bvh bvh = buildBvh(boxes, local.spheres.size(), {gpu::kMaxLeafSize, int(gpu::kMaxTreeDepth)});
-  const PackedScene packed = packScene(local, bvh, boxes, settings);
+  PackedScene packed = [&] {
+    const Scene local = roundScene(std::move(scene));
+    checkReach(local);
+    const std::vector<Box> boxes = primitiveBoxes(local);
+    return packScene(local, buildBvh(boxes, local.spheres.size()), boxes, settings);
+  }();
   stats.treeNodes = packed.nodes.size();
   stats.treeDepth = packed.treeDepth;
   stats.geometryBytes = packed.bytes();
@@ -148,6 +157,7 @@ Rendered renderWithShader(const Scene& scene, const RenderSettings& settings, co
   throwIfInterrupted();
 
   renderer.upload(packed);
+  packed = {};
   stats.seconds.upload = watch.lap();
 
   Dispatching dispatching;
@@ -213,19 +223,21 @@ int runRender(const RenderOptions& options) {
   }
   refuseRepeated(files);
 
-  const Scene scene = loadAndTell(options);
+  Scene scene = loadAndTell(options);
   refuseOverwriting(files, filesOf(scene, findScene(options.scene)));
   const RenderSettings settings = settingsFor(scene, options);
   const double loadSeconds = watch.lap();
   throwIfInterrupted();
 
+  const Scene told = withoutGeometry(scene);
+  const size_t spheres = scene.spheres.size(), triangles = scene.triangles.size();
   Rendered rendered = options.backend == Backend::shader
-                          ? renderWithShader(scene, settings, options, !options.stats.empty())
+                          ? renderWithShader(std::move(scene), settings, options, !options.stats.empty())
                           : renderWithReference(scene, settings, options);
   throwIfInvalid();
   Stats& stats = rendered.stats;
   const Provenance provenance =
-      makeProvenance(scene, settings, "--backend " + stats.backend + " --geometry " + stats.geometry, stats.device.name,
+      makeProvenance(told, settings, "--backend " + stats.backend + " --geometry " + stats.geometry, stats.device.name,
                      stats.device.driver);
   throwIfInterrupted();
   for (const std::string& output : outputs) {
@@ -235,8 +247,8 @@ int runRender(const RenderOptions& options) {
 
   stats.scene = options.scene;
   stats.settings = settings;
-  stats.spheres = scene.spheres.size();
-  stats.triangles = scene.triangles.size();
+  stats.spheres = spheres;
+  stats.triangles = triangles;
   stats.seconds.load = loadSeconds;
   stats.seconds.total = total.lap();
   if (!options.stats.empty()) writeWholeFile(options.stats, statsJson(stats));

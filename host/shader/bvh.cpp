@@ -15,7 +15,9 @@
 #include <numeric>
 #include <string>
 
+#include "cores.h"
 #include "errors.h"
+#include "scene/room.h"
 
 namespace turner {
 namespace {
@@ -29,7 +31,8 @@ class Flattener {
  public:
   Flattener(std::span<const Box> boxes, size_t firstOfSecondKind, const BvhLimits& limits)
       : boxes_(boxes), firstOfSecondKind_(firstOfSecondKind), limits_(limits) {
-    bvh_.order.reserve(boxes.size());
+    makeRoom(bvh_.order, boxes.size());
+    makeRoom(bvh_.nodes, boxes.size() / 2 + boxes.size() / 8);  // Embree makes about half as many nodes as boxes
   }
 
   // A node whose children are written by the two functions, which return BvhChild and take their depth.
@@ -126,11 +129,13 @@ bool buildWithEmbree(std::span<const Box> boxes, const BvhLimits& limits, Flatte
   const std::unique_ptr<std::remove_pointer_t<RTCBVH>, ReleaseBvh> bvh(rtcNewBVH(device.get()));
   if (!bvh) throw RunError("Embree cannot build: rtcNewBVH failed");
 
-  std::vector<RTCBuildPrimitive> primitives(boxes.size());
-  for (size_t i = 0; i < boxes.size(); ++i) {
+  std::vector<RTCBuildPrimitive> primitives;
+  makeRoom(primitives, boxes.size());
+  primitives.resize(boxes.size());
+  forAll(boxes.size(), [&](size_t i) {
     const Box& box = boxes[i];
     primitives[i] = {box.lo.x, box.lo.y, box.lo.z, 0, box.hi.x, box.hi.y, box.hi.z, uint32_t(i)};
-  }
+  });
 
   RTCBuildArguments arguments = rtcDefaultBuildArguments();
   arguments.byteSize = sizeof arguments;

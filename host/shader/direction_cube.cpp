@@ -2,15 +2,13 @@
 #include "shader/direction_cube.h"
 
 #include <algorithm>
-#include <atomic>
 #include <bit>
 #include <cmath>
-#include <exception>
 #include <glm/vec2.hpp>
-#include <mutex>
-#include <thread>
 
+#include "cores.h"
 #include "errors.h"
+#include "scene/room.h"
 
 namespace turner {
 namespace {
@@ -24,7 +22,7 @@ constexpr int kMostLevels = 5;   // halvings from a coarse cell to fine ones
 // By how much the kernel may miss a cell, in u and v: its division is good to 2.5 ulp, its products to half of one.
 constexpr float kCellRounding = 0x1p-19f;
 // Costs, in tests of a primitive by a ray: to visit a node and all that is likely to follow, and to make one entry.
-constexpr double kNodeCost = 4, kEntryCost = 2;
+constexpr double kNodeCost = 4, kEntryCost = 2.5;
 // A list grows up to so many entries by opening its nodes to the last primitive. Of a small scene nearly all are
 // opened: a walk that meets no nodes is faster by more than a few long lists cost.
 constexpr size_t kSmallScene = 50'000;
@@ -201,18 +199,33 @@ class BlockBuilder {
       add(tree_.boxes[tree_.bvh.order[i]], i, true, rect);
   }
 
-  // Replaces nodes at the pool's end, from `first` on, that are larger than this by their children.
+  // Replaces nodes at the pool's end, from `first` on, that are larger than this by their children, the largest first,
+  // while they are not too many.
   void open(size_t first, const Rect& rect, float width, float height, size_t most) {
-    for (size_t i = first; i < pool_.size() && pool_.size() - first < most;) {
-      const Candidate candidate = pool_[i];
+    // Those that may be opened are a heap before the others.
+    const auto sizeOf = [&](const Candidate& candidate) {
       const Rect& r = candidate.rect;
-      if (candidate.isPrimitive || !(r.uHi - r.uLo > width || r.vHi - r.vLo > height)) {
-        ++i;
-        continue;
-      }
-      pool_[i] = pool_.back();
+      return std::max(r.uHi - r.uLo - width, r.vHi - r.vLo - height);
+    };
+    const auto smaller = [&](const Candidate& a, const Candidate& b) { return sizeOf(a) < sizeOf(b); };
+    const auto opens = [&](const Candidate& candidate) { return !candidate.isPrimitive && sizeOf(candidate) > 0; };
+    size_t heapEnd = size_t(std::partition(pool_.begin() + long(first), pool_.end(), opens) - pool_.begin());
+    std::make_heap(pool_.begin() + long(first), pool_.begin() + long(heapEnd), smaller);
+    while (heapEnd > first && pool_.size() - first < most) {
+      std::pop_heap(pool_.begin() + long(first), pool_.begin() + long(heapEnd), smaller);
+      --heapEnd;
+      const uint32_t node = pool_[heapEnd].index;
+      pool_[heapEnd] = pool_.back();
       pool_.pop_back();
-      for (const BvhChild& child : tree_.bvh.nodes[candidate.index].children) addChild(child, rect);
+      for (const BvhChild& child : tree_.bvh.nodes[node].children) {
+        const size_t before = pool_.size();
+        addChild(child, rect);
+        for (size_t i = before; i < pool_.size(); ++i) {
+          if (!opens(pool_[i])) continue;
+          std::swap(pool_[i], pool_[heapEnd++]);
+          std::push_heap(pool_.begin() + long(first), pool_.begin() + long(heapEnd), smaller);
+        }
+      }
     }
   }
 
@@ -222,7 +235,7 @@ class BlockBuilder {
     const Rect around = rect.dilated();
     for (size_t i = from.first; i < from.end; ++i)
       if (pool_[i].overlaps(around)) pool_.push_back(pool_[i]);
-    open(result.first, around, rect.uHi - rect.uLo, rect.vHi - rect.vLo, 4096);
+    open(result.first, around, rect.uHi - rect.uLo, rect.vHi - rect.vLo, mostOpened_);
     return {result.first, pool_.size()};
   }
 
@@ -274,7 +287,7 @@ class BlockBuilder {
   List makeList(const Rect& rect, const Range& here) {
     const size_t first = pool_.size();
     for (size_t i = here.first; i < here.end; ++i) pool_.push_back(pool_[i]);
-    open(first, rect.dilated(), 0, 0, mostOpened(tree_.bvh.order.size()));
+    open(first, rect.dilated(), 0, 0, mostOpened_);
     List list{uint(block_.entries.size()), 0};
     for (size_t i = first; i < pool_.size(); ++i) {
       const Candidate& candidate = pool_[i];
@@ -306,6 +319,7 @@ class BlockBuilder {
 
   const CubeTree& tree_;
   const Face& face_;
+  const size_t mostOpened_ = mostOpened(tree_.bvh.order.size());
   int side_ = 1;
   std::vector<Candidate> pool_;  // a stack: each level of the division has its candidates on top
   std::vector<std::vector<Quad>> quads_;
@@ -390,28 +404,6 @@ size_t occupiedCells(const PlannedFace& face) {
   return count;
 }
 
-// Runs tasks 0 .. count - 1 on all cores; the first exception is thrown here.
-template <class Task>
-void runOnAllCores(size_t count, const Task& task) {
-  std::atomic<size_t> next = 0;
-  std::exception_ptr failure;
-  std::mutex failureMutex;
-  const auto work = [&] {
-    try {
-      for (size_t i = next++; i < count; i = next++) task(i);
-    } catch (...) {
-      const std::scoped_lock lock(failureMutex);
-      failure = std::current_exception();
-      next = count;
-    }
-  };
-  std::vector<std::jthread> threads;
-  for (unsigned i = 1; i < std::max(1u, std::thread::hardware_concurrency()); ++i) threads.emplace_back(work);
-  work();
-  threads.clear();
-  if (failure) std::rethrow_exception(failure);
-}
-
 }  // namespace
 
 DirectionCubes buildDirectionCubes(std::span<const CubePoint> points, const CubeTree& tree) {
@@ -442,7 +434,7 @@ DirectionCubes buildDirectionCubes(std::span<const CubePoint> points, const Cube
           tasks.push_back({f, block, double(points[p].rays) / double(std::max<size_t>(1, occupied))});
       }
     }
-    runOnAllCores(tasks.size(), [&](size_t i) {
+    onAllCores(tasks.size(), [&](size_t i) {
       const Task& task = tasks[i];
       PlannedFace& plan = faces[task.face];
       const Face face(points[task.face / 6].position, int(task.face % 6));
@@ -462,6 +454,10 @@ DirectionCubes buildDirectionCubes(std::span<const CubePoint> points, const Cube
   const uint emptyList = uint(fine);
   for (const PlannedFace& face : faces)
     for (const Block& block : face.blocks) entry += block.lists.size();
+  size_t entries = 0;
+  for (const PlannedFace& face : faces)
+    for (const Block& block : face.blocks) entries += block.entries.size();
+  makeRoom(cubes.rows, entry + entries / 2 + 2);
   cubes.rows.resize(entry);
   cubes.rows[nowhere] = integers(emptyList, 1);
   cubes.rows[emptyList] = integers(0, 0);
@@ -478,6 +474,7 @@ DirectionCubes buildDirectionCubes(std::span<const CubePoint> points, const Cube
     cubes.meetsNodes[p] = meets;
   }
   std::vector<Entry> all;
+  makeRoom(all, entries);
   for (size_t f = 0; f < faces.size(); ++f) {
     PlannedFace& face = faces[f];
     if (face.blocks.empty()) {

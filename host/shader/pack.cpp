@@ -5,14 +5,17 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <optional>
 #include <tuple>
 #include <utility>
 
+#include "cores.h"
 #include "errors.h"
 #include "picture/camera_basis.h"
+#include "scene/room.h"
 
 namespace turner {
 namespace {
@@ -191,30 +194,36 @@ std::vector<Box> primitiveBoxes(const Scene& local) {
   struct Bounds {
     glm::dvec3 lo, hi;
   };
-  std::vector<Bounds> exact;
-  exact.reserve(local.spheres.size() + local.triangles.size());
-  for (const Sphere& sphere : local.spheres)
-    exact.push_back({sphere.center - std::abs(sphere.radius), sphere.center + std::abs(sphere.radius)});
-  for (const Triangle& triangle : local.triangles) {
-    const auto& [a, b, c] = triangle.vertices;
-    exact.push_back({glm::min(a, glm::min(b, c)), glm::max(a, glm::max(b, c))});
-  }
+  const size_t spheres = local.spheres.size(), count = spheres + local.triangles.size();
+  const auto bounds = [&](size_t i) -> Bounds {
+    if (i < spheres) {
+      const Sphere& sphere = local.spheres[i];
+      return {sphere.center - std::abs(sphere.radius), sphere.center + std::abs(sphere.radius)};
+    }
+    const auto& [a, b, c] = local.triangles[i - spheres].vertices;
+    return {glm::min(a, glm::min(b, c)), glm::max(a, glm::max(b, c))};
+  };
 
   Bounds scene{glm::dvec3(INFINITY), glm::dvec3(-INFINITY)};
-  for (const Bounds& bounds : exact) scene = {glm::min(scene.lo, bounds.lo), glm::max(scene.hi, bounds.hi)};
+  for (size_t i = 0; i < count; ++i) {
+    const auto [lo, hi] = bounds(i);
+    scene = {glm::min(scene.lo, lo), glm::max(scene.hi, hi)};
+  }
   const glm::dvec3 size = scene.hi - scene.lo;
-  const double extent = exact.empty() ? 0 : std::max({size.x, size.y, size.z});
+  const double extent = count == 0 ? 0 : std::max({size.x, size.y, size.z});
 
   // A primitive test moves vertices by up to a rounding of their distance to the ray's origin, which is up to the
   // scene's extent; the test of a node's planes (origin + byte * scale, all in units of the ray) moves them by up to
   // five. Eight roundings of each cover both, and the ray that the list of a light is made for instead of the rounded
   // one.
   std::vector<Box> boxes;
-  boxes.reserve(exact.size());
-  for (const Bounds& bounds : exact) {
-    const glm::dvec3 pad = 0x1p-21 * (glm::max(glm::abs(bounds.lo), glm::abs(bounds.hi)) + extent);
-    boxes.push_back({roundedDown(bounds.lo - pad), roundedUp(bounds.hi + pad)});
-  }
+  makeRoom(boxes, count);
+  boxes.resize(count);
+  forAll(count, [&](size_t i) {
+    const auto [lo, hi] = bounds(i);
+    const glm::dvec3 pad = 0x1p-21 * (glm::max(glm::abs(lo), glm::abs(hi)) + extent);
+    boxes[i] = {roundedDown(lo - pad), roundedUp(hi + pad)};
+  });
   return boxes;
 }
 
@@ -233,29 +242,35 @@ PackedScene packScene(const Scene& local, const Bvh& bvh, std::span<const Box> b
   packed.treeDepth = bvh.depth;
   packed.primitiveCount = bvh.order.size();
 
-  std::vector<uint> references(bvh.order.size());  // kind and place of each primitive, in the order of the leaves
-  packed.primitives.reserve(gpu::kUnitRows * (sphereCount + 2 * local.triangles.size() + 1));
-  const auto append = [&](const auto& primitive) {
-    const auto rows = std::bit_cast<std::array<Row, sizeof primitive / sizeof(Row)>>(primitive);
-    packed.primitives.insert(packed.primitives.end(), rows.begin(), rows.end());
-  };
-  for (size_t i = 0; i < bvh.order.size(); ++i) {
-    const uint id = bvh.order[i], place = uint(packed.primitives.size() / gpu::kUnitRows);
-    if (id < sphereCount) {
-      references[i] = place;
-      const Sphere& sphere = local.spheres[id];
-      append(gpu::Sphere{row(sphere.center, sphere.radius),
-                         {std::bit_cast<float>(id), std::bit_cast<float>(sphere.material), 0, 0}});
-    } else {
-      references[i] = gpu::kRefTriangle | place;
-      append(packTriangle(local.triangles[id - sphereCount], id));
-    }
+  // Kind and place of each primitive, in the order of the leaves.
+  std::vector<uint> references;
+  makeRoom(references, bvh.order.size());
+  uint place = 0;
+  for (const uint id : bvh.order) {
+    const bool isTriangle = id >= sphereCount;
+    references.push_back((isTriangle ? gpu::kRefTriangle : 0) | place);
+    place += isTriangle ? 2 : 1;
   }
-  // The kernel may look for the rest of a triangle behind a last sphere.
-  packed.primitives.insert(packed.primitives.end(), gpu::kUnitRows, Row{});
+  // One unit more: the kernel may look for the rest of a triangle behind a last sphere.
+  makeRoom(packed.primitives, gpu::kUnitRows * (place + 1));
+  packed.primitives.resize(gpu::kUnitRows * (place + 1));
+  forAll(bvh.order.size(), [&](size_t i) {
+    const uint id = bvh.order[i];
+    Row* const rows = &packed.primitives[gpu::kUnitRows * (references[i] & gpu::kRefPlaceMask)];
+    if (id < sphereCount) {
+      const Sphere& sphere = local.spheres[id];
+      const gpu::Sphere packedSphere{row(sphere.center, sphere.radius),
+                                     {std::bit_cast<float>(id), std::bit_cast<float>(sphere.material), 0, 0}};
+      std::memcpy(rows, &packedSphere, sizeof packedSphere);
+    } else {
+      const gpu::Triangle packedTriangle = packTriangle(local.triangles[id - sphereCount], id);
+      std::memcpy(rows, &packedTriangle, sizeof packedTriangle);
+    }
+  });
 
-  packed.nodes.reserve(bvh.nodes.size());
-  for (const Bvh::Node& node : bvh.nodes) packed.nodes.push_back(packNode(node, references));
+  makeRoom(packed.nodes, bvh.nodes.size());
+  packed.nodes.resize(bvh.nodes.size());
+  forAll(bvh.nodes.size(), [&](size_t i) { packed.nodes[i] = packNode(bvh.nodes[i], references); });
   if (!bvh.order.empty()) packed.view.root = bvh.root.count > 0 ? leafReference(bvh.root, references) : bvh.root.first;
 
   for (const auto& [a, b, c] : local.normals) packed.vertexNormals.push_back({row(a), row(b), row(c)});

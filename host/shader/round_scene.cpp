@@ -4,7 +4,9 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <string>
+#include <utility>
 
+#include "cores.h"
 #include "errors.h"
 
 namespace turner {
@@ -25,14 +27,15 @@ LocalFrame localFrame(const Camera& camera) {
   return {camera.eye, std::ldexp(1.0, -std::ilogb(distance))};
 }
 
-Scene roundScene(const Scene& scene) {
-  const LocalFrame frame = localFrame(scene.camera);
+Scene roundScene(Scene scene) {
+  const Camera camera = scene.camera;
+  const LocalFrame frame = localFrame(camera);
   const auto toLocal = [&](const glm::dvec3& p) { return rounded((p - frame.origin) * frame.scale); };
 
-  Scene local = scene;
-  local.background = rounded(scene.background);
+  Scene local = std::move(scene);
+  local.background = rounded(local.background);
   local.camera.eye = {0, 0, 0};
-  local.camera.target = (scene.camera.target - frame.origin) * frame.scale;
+  local.camera.target = (camera.target - frame.origin) * frame.scale;
   for (Light& light : local.lights) {
     light.position = toLocal(light.position);
     // E / d^2 keeps its value when both are scaled.
@@ -50,10 +53,12 @@ Scene roundScene(const Scene& scene) {
     sphere.center = toLocal(sphere.center);
     sphere.radius = rounded(sphere.radius * frame.scale);
   }
-  for (Triangle& triangle : local.triangles)
-    for (glm::dvec3& vertex : triangle.vertices) vertex = toLocal(vertex);
-  for (auto& normals : local.normals)
-    for (glm::dvec3& normal : normals) normal = rounded(glm::normalize(normal));
+  forAll(local.triangles.size(), [&](size_t i) {
+    for (glm::dvec3& vertex : local.triangles[i].vertices) vertex = toLocal(vertex);
+  });
+  forAll(local.normals.size(), [&](size_t i) {
+    for (glm::dvec3& normal : local.normals[i]) normal = rounded(glm::normalize(normal));
+  });
   return local;
 }
 

@@ -24,6 +24,6 @@ void checkReach(const Scene& local);
 
 // Every number of the result has the value that the kernel computes with. The camera's target and up are not rounded:
 // the kernel takes the image plane as unevaluated sums of two floats. Inverse-square lights are scaled along.
-Scene roundScene(const Scene& scene);
+Scene roundScene(Scene scene);
 
 }  // namespace turner
