@@ -18,14 +18,17 @@ using gpu::uint;
 
 constexpr int kMostCoarse = 64;  // coarse cells on a face's side
 constexpr int kBlocks = 8;       // blocks of them on a side, each a task
-constexpr int kMostLevels = 5;   // halvings from a coarse cell to fine ones
+constexpr int kMostLevels = 7;   // halvings from a coarse cell to fine ones
+// Fine cells of a block after which its coarse cells are divided less: a bound on memory that ordinary scenes keep below.
+constexpr size_t kMostFineCells = 1 << 16;
 // By how much the kernel may miss a cell, in u and v: its division is good to 2.5 ulp, its products to half of one.
 constexpr float kCellRounding = 0x1p-19f;
 // Costs, in tests of a primitive by a ray: to visit a node and all that is likely to follow, and to make one entry.
 constexpr double kNodeCost = 4, kEntryCost = 2.5;
 // A list grows up to so many entries by opening its nodes to the last primitive. Of a small scene nearly all are
 // opened: a walk that meets no nodes is faster by more than a few long lists cost.
-constexpr size_t kSmallScene = 50'000;
+constexpr size_t kMostTests = 48;
+constexpr size_t kSmallScene = 150'000;
 size_t mostOpened(size_t primitives) {
   return primitives <= kSmallScene ? 256 : 16;
 }
@@ -242,7 +245,9 @@ class BlockBuilder {
   void toCoarse(const Rect& rect, const Range& here, int x, int y, int side, double rays) {
     if (side == 1) {
       const size_t cell = size_t(y * side_ + x);
+      mostLevels_ = fineCells_ < kMostFineCells ? kMostLevels : 3;
       toFine(rect, here, 0, 0, 0, rays, cell);
+      fineCells_ += size_t(1) << (2 * block_.levels[cell]);
       return;
     }
     for (int i = 0; i < 4; ++i) {
@@ -254,7 +259,7 @@ class BlockBuilder {
   }
 
   void toFine(const Rect& rect, const Range& here, int level, int x, int y, double rays, size_t cell) {
-    if (level == kMostLevels || !worthDividing(rect, here, rays)) {
+    if (level == mostLevels_ || !worthDividing(rect, here, rays)) {
       block_.levels[cell] = std::max(block_.levels[cell], uint8_t(level));
       const int size = 1 << (kMostLevels - level);
       quads_[cell].push_back({x * size, y * size, level, makeList(rect, here)});
@@ -273,14 +278,18 @@ class BlockBuilder {
     // Cells so small that the kernel's rounding reaches the next one are no use.
     if (std::min(rect.uHi - rect.uLo, rect.vHi - rect.vLo) < 8 * kCellRounding) return false;
     double now = 0, then = 0;
+    bool hasNodes = false;
     for (size_t i = here.first; i < here.end; ++i) {
       const double cost = pool_[i].isPrimitive ? 1 : kNodeCost;
       now += cost;
-      // A node is opened when its cell gets smaller than itself, and then counts for less.
+      hasNodes |= !pool_[i].isPrimitive;
       int quarters = 0;
       for (int k = 0; k < 4; ++k) quarters += pool_[i].overlaps(rect.quarter(k));
-      then += cost * quarters / 4;
+      // A node is opened when its cell gets smaller than itself, and what of it is in a quarter counts for less.
+      then += cost * quarters / (pool_[i].isPrimitive ? 4 : 8);
     }
+    // Lists that would keep nodes are divided as long as that helps at all.
+    if (hasNodes && mostOpened_ > kMostTests && here.end - here.first > kMostTests && then < 0.8 * now) return true;
     return rays * (now - then) > 4 * then * kEntryCost;
   }
 
@@ -320,6 +329,8 @@ class BlockBuilder {
   const CubeTree& tree_;
   const Face& face_;
   const size_t mostOpened_ = mostOpened(tree_.bvh.order.size());
+  int mostLevels_ = kMostLevels;
+  size_t fineCells_ = 0;
   int side_ = 1;
   std::vector<Candidate> pool_;  // a stack: each level of the division has its candidates on top
   std::vector<std::vector<Quad>> quads_;
