@@ -118,6 +118,8 @@ struct Measurement {
   double bytesPerPrimitive = 0, embreeBytesPerPrimitive = 0;
   PovRay povray;
   KernelWork work;
+  std::optional<Spread>
+      everythingRatio;  // trace time of the kernel with everything compiled in over that of the scene's own
 };
 
 struct Options {
@@ -126,7 +128,7 @@ struct Options {
   std::string device, json, writeObj;
   Fetch fetch = Fetch::automatic;
   double peakGflops = 0;  // 0: not told
-  bool povray = false;
+  bool povray = false, everything = false;
   size_t maxTriangles = 1'000'000, triangles = 1'000'000;
   int width = 0, height = 0;  // 0: the scene's own
 };
@@ -135,7 +137,9 @@ struct Options {
 
 class TurnerSide {
  public:
-  TurnerSide(const DeviceInfo& device, Fetch fetch) : device_(device), renderer_(device, fetch) {}
+  // `everything`: a kernel with all features compiled in, whatever the scene needs.
+  TurnerSide(const DeviceInfo& device, Fetch fetch, bool everything = false)
+      : device_(device), renderer_(device, fetch), everything_(everything) {}
   const DeviceInfo& device() const { return device_; }
   Fetch fetch() const { return renderer_.fetch(); }
 
@@ -147,7 +151,9 @@ class TurnerSide {
   Built build(const Scene& local, const RenderSettings& settings) {
     const std::vector<Box> boxes = primitiveBoxes(local);
     const Clock::time_point start = Clock::now();
-    const PackedScene packed = packScene(local, buildBvh(boxes, local.spheres.size()), boxes, settings);
+    PackedScene packed = packScene(local, buildBvh(boxes, local.spheres.size()), boxes, settings,
+                                   everything_ ? Cubes::mixedLists : Cubes::lists);
+    if (everything_) packed.features = {packed.features.lights, true, true, true, true, true, true, true, true, true};
     const Built built{secondsSince(start), packed.bytes()};
     renderer_.upload(packed);
     return built;
@@ -158,6 +164,7 @@ class TurnerSide {
  private:
   DeviceInfo device_;
   ShaderRenderer renderer_;
+  bool everything_;
   Spirv kernel_ = compileGlsl(TURNER_SHADERS_DIR "/whitted.comp", fetchPreamble(renderer_.fetch()));
 };
 
@@ -346,7 +353,7 @@ double mrays(const RayCounts& rays, double seconds) {
   return double(rays.total()) / seconds * 1e-6;
 }
 
-Measurement measureScene(const BenchScene& chosen, const Options& options, TurnerSide& turner) {
+Measurement measureScene(const BenchScene& chosen, const Options& options, TurnerSide& turner, TurnerSide* general) {
   Measurement m;
   m.scene = chosen.name;
   const Scene local = [&] {
@@ -402,6 +409,16 @@ Measurement measureScene(const BenchScene& chosen, const Options& options, Turne
     m.work.rooflineShare =
         (kNodeFlop * double(visits.nodes.total()) + kPrimitiveFlop * double(visits.primitives.total())) /
         (spreadOf(m.turnerSeconds).median * *peak);
+  if (general) {
+    general->build(local, settings);
+    general->render(settings);
+    std::vector<double> everythingRatios;
+    for (int run = 0; run < options.runs; ++run) {
+      const double own = turner.render(settings).traceSeconds;
+      everythingRatios.push_back(general->render(settings).traceSeconds / own);
+    }
+    m.everythingRatio = spreadOf(everythingRatios);
+  }
   if (options.povray) m.povray = measurePovRay(chosen, settings, options.runs);
   return m;
 }
@@ -575,6 +592,7 @@ void writeMeasurement(JsonFile& json, const Measurement& m) {
     json.put("shadow", m.work.shadow);
   });
   json.put("roofline_share", m.work.rooflineShare);
+  json.put("everything_ratio", m.everythingRatio ? std::optional(m.everythingRatio->median) : std::nullopt);
   json.put("povray_seconds", m.povray.seconds);
   json.put("povray_clock", m.povray.clock);
   json.put("povray_ratio", m.povray.seconds ? std::optional(povrayRatio(m)) : std::nullopt);
@@ -616,14 +634,25 @@ int bench(const Options& options) {
              device.driver, fetchName(turner.fetch()), cpuModel(), embreeVersion(), options.runs, kDepth);
   printHead(options.povray);
 
+  std::optional<TurnerSide> general;
+  if (options.everything) general.emplace(device, options.fetch, true);
   std::vector<Measurement> measurements;
   bool agree = true;
   for (const BenchScene& scene : scenes) {
-    measurements.push_back(measureScene(scene, options, turner));
+    measurements.push_back(measureScene(scene, options, turner, general ? &*general : nullptr));
     const Measurement& m = measurements.back();
     printRow(m, options.povray);
     for (const std::string& sentence : m.disagreements) fmt::print(stderr, "{}: {}\n", m.scene, sentence);
     agree = agree && m.disagreements.empty();
+  }
+  if (options.everything) {
+    fmt::print(
+        "\nTrace time with everything compiled in, over that of the kernel that is specialised to the scene:\n\n");
+    fmt::print("| scene | everything / specialised |\n| --- | ---: |\n");
+    for (const Measurement& m : measurements)
+      if (m.everythingRatio)
+        fmt::print("| {} | {:.2f} ({:.2f}..{:.2f}) |\n", m.scene, m.everythingRatio->median, m.everythingRatio->least,
+                   m.everythingRatio->most);
   }
   const Summary summary = summarise(measurements);
   if (summary.scenes > 0)
@@ -652,6 +681,7 @@ int run(int argc, char** argv) {
   app.add_option("--peak-gflops", options.peakGflops, "The device's peak float32 arithmetic, for the roofline");
   app.add_option("--json", options.json, "File for all figures");
   app.add_flag("--povray", options.povray, "Measure POV-Ray too, on NFF scenes");
+  app.add_flag("--everything", options.everything, "Measure the kernel with everything compiled in, too");
   app.add_option("--max-triangles", options.maxTriangles, "Bounds the procedural meshes")->capture_default_str();
   app.add_option("--width", options.width, "Of the pictures (default: 512; procedural 1024)")
       ->check(CLI::Range(1, kMaxSize));

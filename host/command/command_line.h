@@ -8,6 +8,7 @@
 #include "picture/compare.h"
 #include "picture/settings.h"
 #include "scene/scene.h"
+#include "shader/fetch.h"
 
 namespace turner {
 
@@ -28,7 +29,8 @@ struct RenderOptions {
   Geometry geometry = Geometry::exact;
   std::string device, crop, shaders, stats;
   bool quiet = false;
-  int tile = 0;  // how the work is cut; never changes the picture
+  Fetch fetch = Fetch::automatic;  // how the kernel fetches the scene; never changes the picture
+  int tile = 0;                    // how the work is cut; never changes the picture
   int workGroup = 64;
 };
 

@@ -112,12 +112,11 @@ struct Rendered {
   Stats stats;
 };
 
-DeviceInfo chooseAndTell(const RenderOptions& options) {
+DeviceInfo chooseDeviceFor(const RenderOptions& options) {
   const char* environment = std::getenv("TURNER_DEVICE");
   const DeviceInfo device = chooseDevice(listDevices(), !options.device.empty() ? options.device
                                                         : environment           ? environment
                                                                                 : "");
-  if (!options.quiet) fmt::print("device: {}: {} ({}, {})\n", device.index, device.name, device.type, device.driver);
   return device;
 }
 
@@ -136,8 +135,12 @@ Rendered renderWithShader(Scene scene, const RenderSettings& settings, const Ren
   Stats& stats = result.stats;
   stats.backend = "shader";
   stats.geometry = "rounded";  // the kernel has no other
-  stats.device = chooseAndTell(options);
-  ShaderRenderer renderer(stats.device);
+  stats.device = chooseDeviceFor(options);
+  ShaderRenderer renderer(stats.device, options.fetch);
+  stats.fetch = fetchName(renderer.fetch());
+  if (!options.quiet)
+    fmt::print("device: {}: {} ({}, {}), fetching {}\n", stats.device.index, stats.device.name, stats.device.type,
+               stats.device.driver, stats.fetch);
 
   Stopwatch watch;
   PackedScene packed = [&] {
@@ -175,7 +178,8 @@ Rendered renderWithShader(Scene scene, const RenderSettings& settings, const Ren
 
   if (countRays) {
     ProgressLine progress("counting rays", sampleCount(settings), options.quiet);
-    stats.rays = renderer.countVisits(kernel, settings, std::ref(progress), dispatching).rays;
+    stats.visits = renderer.countVisits(kernel, settings, std::ref(progress), dispatching);
+    stats.rays = stats.visits.rays;
   }
   return result;
 }

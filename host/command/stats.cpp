@@ -78,6 +78,7 @@ std::string statsJson(const Stats& stats) {
       json.put("min_weight", settings.minWeight);
       json.put("backend", stats.backend);
       json.put("geometry", stats.geometry);
+      json.put("fetch", stats.fetch);
       json.put("crop", std::to_string(settings.crop.x0) + ',' + std::to_string(settings.crop.y0) + ',' +
                            std::to_string(settings.crop.x1) + ',' + std::to_string(settings.crop.y1));
     });
@@ -85,12 +86,17 @@ std::string statsJson(const Stats& stats) {
       json.put("spheres", stats.spheres);
       json.put("triangles", stats.triangles);
     });
-    json.object("rays", [&] {
-      json.put("eye", stats.rays.eye);
-      json.put("reflected", stats.rays.reflected);
-      json.put("refracted", stats.rays.refracted);
-      json.put("shadow", stats.rays.shadow);
-    });
+    const auto putCounts = [&](const char* key, const RayCounts& counts) {
+      json.object(key, [&] {
+        json.put("eye", counts.eye);
+        json.put("reflected", counts.reflected);
+        json.put("refracted", counts.refracted);
+        json.put("shadow", counts.shadow);
+      });
+    };
+    putCounts("rays", stats.rays);
+    putCounts("nodes_visited", stats.visits.nodes);
+    putCounts("primitives_tested", stats.visits.primitives);
     json.object("seconds", [&] {
       json.put("load", stats.seconds.load);
       json.put("build", stats.seconds.build);

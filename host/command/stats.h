@@ -8,6 +8,7 @@
 #include "picture/settings.h"
 #include "scene/scene.h"
 #include "shader/devices.h"
+#include "shader/render.h"
 
 namespace turner {
 
@@ -19,9 +20,10 @@ struct Stats {
   std::string scene;
   DeviceInfo device;
   RenderSettings settings;
-  std::string backend, geometry;
+  std::string backend, geometry, fetch;
   size_t spheres = 0, triangles = 0;
   RayCounts rays;
+  Visits visits;  // of the shader: what its rays met
   Seconds seconds;
   size_t treeNodes = 0, geometryBytes = 0;  // on the device; 0 for the reference
   int treeDepth = 0;

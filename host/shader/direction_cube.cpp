@@ -19,7 +19,8 @@ using gpu::uint;
 constexpr int kMostCoarse = 64;  // coarse cells on a face's side
 constexpr int kBlocks = 8;       // blocks of them on a side, each a task
 constexpr int kMostLevels = 7;   // halvings from a coarse cell to fine ones
-// Fine cells of a block after which its coarse cells are divided less: a bound on memory that ordinary scenes keep below.
+// Fine cells of a block after which its coarse cells are divided less: a bound on memory that ordinary scenes keep
+// below.
 constexpr size_t kMostFineCells = 1 << 16;
 // By how much the kernel may miss a cell, in u and v: its division is good to 2.5 ulp, its products to half of one.
 constexpr float kCellRounding = 0x1p-19f;

@@ -287,13 +287,14 @@ PackedScene packScene(const Scene& local, const Bvh& bvh, std::span<const Box> b
                                     .windows = viewWindows(local.camera, settings),
                                     .rays = eyeRays,
                                     .kernelWalk = 0,
-                                    .walkMeetsNodes = secondary}};
+                                    .walkMeetsNodes = secondary || cubes == Cubes::mixedLists}};
   for (const Light& light : local.lights)
-    points.push_back({.position = light.position, .rays = eyeRays, .kernelWalk = 1});
+    points.push_back(
+        {.position = light.position, .rays = eyeRays, .kernelWalk = 1, .walkMeetsNodes = cubes == Cubes::mixedLists});
   const CubeTree tree{bvh, boxes, references, [&](uint32_t id) {
                         return id < sphereCount ? nullptr : &local.triangles[id - sphereCount].vertices;
                       }};
-  DirectionCubes built = cubes == Cubes::lists ? buildDirectionCubes(points, tree) : wholeTreeCubes(points, tree);
+  DirectionCubes built = cubes == Cubes::wholeTree ? wholeTreeCubes(points, tree) : buildDirectionCubes(points, tree);
   packed.cubes = std::move(built.rows);
   packed.features.nearestNodes = built.meetsNodes[0];
   packed.features.shadowNodes = !local.lights.empty() && built.meetsNodes[1];

@@ -46,7 +46,8 @@ struct PackedScene {
 std::vector<Box> primitiveBoxes(const Scene& local);
 
 // How rays through the eye and the lights begin: along lists that are made for them, or at the root as all others do.
-enum class Cubes { lists, wholeTree };
+// Mixed lists are for a kernel that can visit nodes in every walk, whether the scene needs it or not.
+enum class Cubes { lists, mixedLists, wholeTree };
 
 // `local` comes from roundScene, `bvh` from its primitiveBoxes. The settings tell how many rays will come through the
 // eye, and where; they do not change the picture. Throws InputError if there are more primitives than a reference can
