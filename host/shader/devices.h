@@ -1,18 +1,22 @@
 // The Vulkan devices of this machine, as the user sees and names them.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
 namespace turner {
 
+class Instance;
+
 struct DeviceInfo {
-  int index = 0;       // in the order of the Vulkan loader; what --device takes
-  std::string name;    // "llvmpipe (LLVM 15.0.6, 256 bits)"
-  std::string type;    // "discrete GPU", "integrated GPU", "virtual GPU", "CPU" or "other"
-  std::string driver;  // name and version as the driver gives them
-  std::string api;     // Vulkan version, "1.3.230"
-  bool usable = true;  // has Vulkan 1.2 and a compute queue
+  int index = 0;                             // in the order of the Vulkan loader; what --device takes
+  std::string name;                          // "llvmpipe (LLVM 15.0.6, 256 bits)"
+  std::string type;                          // "discrete GPU", "integrated GPU", "virtual GPU", "CPU" or "other"
+  std::string driver;                        // name and version as the driver gives them
+  std::string api;                           // Vulkan version, "1.3.230"
+  bool usable = true;                        // has Vulkan 1.2 and a compute queue
+  std::shared_ptr<const Instance> instance;  // that listed it; to make another one takes 60 ms
 };
 
 // Throws RunError, saying what to install, when there is no Vulkan loader or no device at all.

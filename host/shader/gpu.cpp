@@ -165,16 +165,18 @@ DeviceInfo describeDevice(const vk::raii::PhysicalDevice& device, int index) {
 }
 
 std::vector<DeviceInfo> listDevices() {
-  const Instance instance;
+  const auto instance = std::make_shared<const Instance>();
   std::vector<DeviceInfo> devices;
-  for (const vk::raii::PhysicalDevice& device : instance.physicalDevices())
+  for (const vk::raii::PhysicalDevice& device : instance->physicalDevices()) {
     devices.push_back(describeDevice(device, int(devices.size())));
+    devices.back().instance = instance;
+  }
   if (devices.empty()) throw RunError(kNoVulkan);
   return devices;
 }
 
-Device::Device(const DeviceInfo& info) : info_(info) {
-  std::vector<vk::raii::PhysicalDevice> devices = instance_.physicalDevices();
+Device::Device(const DeviceInfo& info) : info_(info), instance_(info.instance) {
+  std::vector<vk::raii::PhysicalDevice> devices = instance_->physicalDevices();
   if (size_t(info.index) >= devices.size()) throw RunError("the Vulkan device " + info.name + " has gone away");
   physical_.emplace(std::move(devices[size_t(info.index)]));
   const auto properties =
@@ -185,7 +187,7 @@ Device::Device(const DeviceInfo& info) : info_(info) {
   subgroupSize_ = std::max(1u, properties.get<vk::PhysicalDeviceSubgroupProperties>().subgroupSize);
   queueFamily_ = computeFamily(*physical_).value();
   timestampBits_ = physical_->getQueueFamilyProperties()[queueFamily_].timestampValidBits;
-  debugNames_ = instance_.hasDebugNames();
+  debugNames_ = instance_->hasDebugNames();
 
   constexpr auto kTexelRows = vk::FormatFeatureFlagBits::eStorageTexelBuffer;
   const vk::FormatProperties format = physical_->getFormatProperties(vk::Format::eR32G32B32A32Uint);

@@ -84,7 +84,7 @@ class Device {
   void fill(const Buffer& target, std::span<const std::byte> bytes, const std::string& name) const;
 
   DeviceInfo info_;
-  Instance instance_;
+  std::shared_ptr<const Instance> instance_;
   std::optional<vk::raii::PhysicalDevice> physical_;
   vk::PhysicalDeviceLimits limits_;
   vk::DeviceSize maxAllocation_ = 0;
