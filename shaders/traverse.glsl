@@ -125,11 +125,15 @@ void passPrimitive(inout Walk walk) {
   if (last) popNode(walk);
 }
 
+// The turns of loops that a walk makes with no lane in it: lavapipe 22.3 runs a loop's body once more before it leaves
+// the loop, and the loops inside with it. Whoever calls continueWalk, or has other lanes call it, pays them.
+int idleTurns(bool meetsNodes) { return meetsNodes ? 3 : int(SPHERES) + int(TRIANGLES); }
+
 // Goes through the tree. Leaves and nodes have loops of their own: lavapipe 22.3 executes both sides of every branch, but
 // leaves a loop when no lane is in it.
 void walkTree(Ray ray, RayFactors factors, bool anyHit, uint kind, float reach, inout Walk walk, inout int budget) {
   while (walk.next != kRefNone && budget > 0) {
-    budget -= 3;
+    budget -= 3;  // this turn, and the last one of each loop inside
     while ((walk.next & kRefLeaf) != 0u && walk.next != kRefNone && budget > 0) {
       --budget;
       if (walk.next != kRefNext) {
@@ -153,7 +157,6 @@ void walkTree(Ray ray, RayFactors factors, bool anyHit, uint kind, float reach, 
 // Goes through the spheres or the triangles of a list, from its next entry to `end`.
 void walkPrimitives(Ray ray, RayFactors factors, bool areTriangles, uint end, bool anyHit, uint kind, float reach,
                     inout Walk walk, inout int budget) {
-  --budget;
   while (walk.list.x < end && walk.next != kRefNone && budget > 0) {
     --budget;
     uvec2 entry = listEntry(walk.list.x);

@@ -132,7 +132,8 @@ void main() {
 
   int budget = int(BUDGET);
   while (phase != kDone && budget > 0) {
-    budget -= 2;
+    // This turn, the walk below, the last turn of the loop over lights and the walk in it.
+    budget -= 2 + idleTurns(NEAREST_NODES) + idleTurns(SHADOW_NODES);
     if (SAMPLES > 1u && phase == kNextSample) beginSample(pixel);
 
     // Find the nearest hit of the ray in hand.
@@ -165,7 +166,7 @@ void main() {
       vec3 local = max(xyz(diffuse), HIGHLIGHTS ? xyz(specular) : vec3(0));
       if (phase == kNextLight && localWeight * largest(local) <= 0.0) light = LIGHTS;
       while (light < LIGHTS && budget > 0) {
-        --budget;
+        budget -= 1 + idleTurns(SHADOW_NODES);
         Row position = ROW(lights, kLightRows * light + kLightPosition);
         Row color = ROW(lights, kLightRows * light + kLightColor);
         Ray shadowRay = leaveSurface(surface, hitPrimitive, vec3(0), true);

@@ -21,8 +21,9 @@ struct Dispatching {
   uint32_t budget = 0;
 };
 
-// With fewer iterations an invocation might not get anywhere.
-inline constexpr uint32_t kLeastBudget = 8;
+// With fewer iterations an invocation might not get anywhere: one turn of each loop costs up to 8 + 4 + 3 + 1, see
+// whitted.comp and traverse.glsl.
+inline constexpr uint32_t kLeastBudget = 16;
 
 // What rays met on their way, by kind of ray.
 struct Visits {
