@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <glm/vec2.hpp>
+#include <iterator>
 
 #include "cores.h"
 #include "errors.h"
@@ -19,9 +20,13 @@ using gpu::uint;
 constexpr int kMostCoarse = 64;  // coarse cells on a face's side
 constexpr int kBlocks = 8;       // blocks of them on a side, each a task
 constexpr int kMostLevels = 7;   // halvings from a coarse cell to fine ones
-// Fine cells of a block after which its coarse cells are divided less: a bound on memory that ordinary scenes keep
-// below.
-constexpr size_t kMostFineCells = 1 << 16;
+// Bounds on memory that ordinary scenes keep below. Coarse cells of all faces; fine cells and entries of all blocks,
+// each of which gets a share: a block that has spent its own divides its cells less, or not at all. Fine cells of a
+// block are fewer in any case.
+constexpr size_t kMostCoarseCells = 1 << 18;
+constexpr size_t kMostFineCells = 1 << 26, kMostFineCellsInBlock = 5 << 14;
+constexpr size_t kMostEntries = 1 << 25;
+constexpr int kLeastLevels = 3;  // that a cell may always have
 // By how much the kernel may miss a cell, in u and v: its division is good to 2.5 ulp, its products to half of one.
 constexpr float kCellRounding = 0x1p-19f;
 // Costs, in tests of a primitive by a ray: to visit a node and all that is likely to follow, and to make one entry.
@@ -154,16 +159,23 @@ struct Block {
   bool meetsNodes = false;
 };
 
+// The share of one block.
+struct BlockBounds {
+  size_t fineCells, entries;
+};
+
 // Fills the cells of one block of a face.
 class BlockBuilder {
  public:
-  BlockBuilder(const CubeTree& tree, const Face& face) : tree_(tree), face_(face) {}
+  BlockBuilder(const CubeTree& tree, const Face& face, const BlockBounds& bounds)
+      : tree_(tree), face_(face), bounds_(bounds) {}
 
   // `side` coarse cells on a side; about so many rays come through each.
   Block build(const Rect& rect, int side, double raysInCell) {
     side_ = side;
     block_.levels.resize(size_t(side * side));
     quads_.resize(size_t(side * side));
+    cellsLeft_ = quads_.size();
     const Rect around = rect.dilated();
     addChild(tree_.bvh.root, around);
     toCoarse(rect, {0, pool_.size()}, 0, 0, side, raysInCell);
@@ -246,7 +258,12 @@ class BlockBuilder {
   void toCoarse(const Rect& rect, const Range& here, int x, int y, int side, double rays) {
     if (side == 1) {
       const size_t cell = size_t(y * side_ + x);
-      mostLevels_ = fineCells_ < kMostFineCells ? kMostLevels : 3;
+      mostLevels_ = kMostLevels;
+      while (mostLevels_ > kLeastLevels && fineCells_ + (size_t(1) << (2 * mostLevels_)) > bounds_.fineCells)
+        --mostLevels_;
+      // Four times its even share of what is left: most cells need little.
+      const size_t entries = block_.entries.size(), left = bounds_.entries - std::min(bounds_.entries, entries);
+      mostEntries_ = entries + std::min(left, 4 * left / cellsLeft_--);
       toFine(rect, here, 0, 0, 0, rays, cell);
       fineCells_ += size_t(1) << (2 * block_.levels[cell]);
       return;
@@ -279,6 +296,7 @@ class BlockBuilder {
     // Cells so small that the kernel's rounding reaches the next one are no use.
     if (std::min(rect.uHi - rect.uLo, rect.vHi - rect.vLo) < 8 * kCellRounding) return false;
     double now = 0, then = 0;
+    size_t entries = 0;
     bool hasNodes = false;
     for (size_t i = here.first; i < here.end; ++i) {
       const double cost = pool_[i].isPrimitive ? 1 : kNodeCost;
@@ -286,11 +304,15 @@ class BlockBuilder {
       hasNodes |= !pool_[i].isPrimitive;
       int quarters = 0;
       for (int k = 0; k < 4; ++k) quarters += pool_[i].overlaps(rect.quarter(k));
+      entries += size_t(quarters);
       // A node is opened when its cell gets smaller than itself, and what of it is in a quarter counts for less.
       then += cost * quarters / (pool_[i].isPrimitive ? 4 : 8);
     }
-    // Lists that would keep nodes are divided as long as that helps at all.
-    if (hasNodes && mostOpened_ > kMostTests && here.end - here.first > kMostTests && then < 0.8 * now) return true;
+    if (block_.entries.size() + entries > mostEntries_) return false;
+    // Lists that would keep nodes are divided as long as that helps at all, until one keeps them nevertheless.
+    if (hasNodes && !block_.meetsNodes && mostOpened_ > kMostTests && here.end - here.first > kMostTests &&
+        then < 0.8 * now)
+      return true;
     return rays * (now - then) > 4 * then * kEntryCost;
   }
 
@@ -329,9 +351,12 @@ class BlockBuilder {
 
   const CubeTree& tree_;
   const Face& face_;
+  const BlockBounds bounds_;
   const size_t mostOpened_ = mostOpened(tree_.bvh.order.size());
   int mostLevels_ = kMostLevels;
   size_t fineCells_ = 0;
+  size_t cellsLeft_ = 0;    // coarse cells still to be filled
+  size_t mostEntries_ = 0;  // of the block after the coarse cell in hand
   int side_ = 1;
   std::vector<Candidate> pool_;  // a stack: each level of the division has its candidates on top
   std::vector<std::vector<Quad>> quads_;
@@ -357,6 +382,10 @@ struct PlannedFace {
   std::vector<Block> blocks;   // row by row, blocksOnASide() squared
   bool isEmpty() const { return !(window.uLo < window.uHi && window.vLo < window.vHi); }
   int blocksOnASide() const { return std::min(kBlocks, coarse); }
+  Rect blockRect(int block) const {
+    const int across = blocksOnASide(), side = coarse / across;
+    return cells(block % across * side, block / across * side, side);
+  }
   Rect cells(int x, int y, int size) const {
     const float width = (window.uHi - window.uLo) / float(coarse), height = (window.vHi - window.vLo) / float(coarse);
     return {window.uLo + float(x) * width, window.uLo + float(x + size) * width, window.vLo + float(y) * height,
@@ -364,20 +393,22 @@ struct PlannedFace {
   }
 };
 
-// The upper part of the tree.
+// The upper part of the tree, level by level: leaves, and nodes that hold all the rest.
 std::vector<BvhChild> topOf(const Bvh& bvh) {
   constexpr size_t kMost = 512;
-  std::vector<BvhChild> level = {bvh.root};
-  for (size_t i = 0; i < level.size() && level.size() < kMost;) {
-    if (level[i].count > 0) {
-      ++i;
+  std::vector<BvhChild> top, queue = {bvh.root};
+  size_t next = 0;
+  for (; next < queue.size() && top.size() + queue.size() - next < kMost; ++next) {
+    const BvhChild child = queue[next];
+    if (child.count > 0) {
+      top.push_back(child);
       continue;
     }
-    const Bvh::Node& node = bvh.nodes[level[i].first];
-    level[i] = node.children[0];
-    level.push_back(node.children[1]);
+    const Bvh::Node& node = bvh.nodes[child.first];
+    queue.insert(queue.end(), std::begin(node.children), std::end(node.children));
   }
-  return level;
+  top.insert(top.end(), queue.begin() + long(next), queue.end());
+  return top;
 }
 
 // Shrinks a face's window to what holds something.
@@ -397,11 +428,13 @@ PlannedFace planFace(const Face& face, const FaceWindow& window, std::span<const
   }
   Rect& w = plan.window;
   w = {std::max(w.uLo, whole.uLo), std::min(w.uHi, whole.uHi), std::max(w.vLo, whole.vLo), std::min(w.vHi, whole.vHi)};
-  // A square, so that the kernel needs one scale; its cells are at least four times what the kernel may miss.
+  // A square, so that the kernel needs one scale; a cell is at least four times what the kernel may miss.
   const float side = std::max({w.uHi - w.uLo, w.vHi - w.vLo, 8 * kCellRounding});
   if (w.uLo < w.uHi && w.vLo < w.vHi) w = {w.uLo, w.uLo + side, w.vLo, w.vLo + side};
   // A coarse cell is for some hundred rays.
-  while (plan.coarse < mostCoarse && 256 * size_t(plan.coarse) * size_t(plan.coarse) < rays) plan.coarse *= 2;
+  while (plan.coarse < mostCoarse && 256 * size_t(plan.coarse) * size_t(plan.coarse) < rays &&
+         float(2 * plan.coarse) * 4 * kCellRounding <= side)
+    plan.coarse *= 2;
   return plan;
 }
 
@@ -424,13 +457,15 @@ DirectionCubes buildDirectionCubes(std::span<const CubePoint> points, const Cube
     size_t face;
     int block;
     double raysInCell;
+    size_t occupants;  // how much of the tree's top stands there
   };
   std::vector<Task> tasks;
+  size_t occupants = 0;
   if (!tree.bvh.order.empty()) {
     const std::vector<BvhChild> top = topOf(tree.bvh);
-    // The more lights, the fewer cells for each: a face's row has 24 bits for the place of its cells.
+    // The more lights, the fewer cells for each.
     int mostCoarse = kMostCoarse;
-    while (mostCoarse > 1 && faces.size() * size_t(mostCoarse * mostCoarse) > size_t(1) << 22) mostCoarse /= 2;
+    while (mostCoarse > 1 && faces.size() * size_t(mostCoarse * mostCoarse) > kMostCoarseCells) mostCoarse /= 2;
     for (size_t p = 0; p < points.size(); ++p) {
       size_t occupied = 0;
       for (size_t f = 6 * p; f < 6 * p + 6; ++f) {
@@ -442,17 +477,24 @@ DirectionCubes buildDirectionCubes(std::span<const CubePoint> points, const Cube
         if (faces[f].isEmpty()) continue;
         const int blocks = faces[f].blocksOnASide() * faces[f].blocksOnASide();
         faces[f].blocks.resize(size_t(blocks));
-        for (int block = 0; block < blocks; ++block)
-          tasks.push_back({f, block, double(points[p].rays) / double(std::max<size_t>(1, occupied))});
+        for (int block = 0; block < blocks; ++block) {
+          const Rect rect = faces[f].blockRect(block);
+          const size_t here = 1 + size_t(std::count_if(faces[f].occupied.begin(), faces[f].occupied.end(),
+                                                       [&](const Rect& r) { return r.overlaps(rect); }));
+          tasks.push_back({f, block, double(points[p].rays) / double(std::max<size_t>(1, occupied)), here});
+          occupants += here;
+        }
       }
     }
     onAllCores(tasks.size(), [&](size_t i) {
       const Task& task = tasks[i];
       PlannedFace& plan = faces[task.face];
       const Face face(points[task.face / 6].position, int(task.face % 6));
-      const int across = plan.blocksOnASide(), side = plan.coarse / across;
-      const Rect rect = plan.cells(task.block % across * side, task.block / across * side, side);
-      plan.blocks[size_t(task.block)] = BlockBuilder(tree, face).build(rect, side, task.raysInCell);
+      const BlockBounds bounds{std::min(kMostFineCellsInBlock, kMostFineCells / tasks.size()),
+                               kMostEntries / 2 / tasks.size() + kMostEntries / 2 * task.occupants / occupants};
+      plan.blocks[size_t(task.block)] =
+          BlockBuilder(tree, face, bounds)
+              .build(plan.blockRect(task.block), plan.coarse / plan.blocksOnASide(), task.raysInCell);
     });
   }
 
@@ -514,6 +556,7 @@ DirectionCubes buildDirectionCubes(std::span<const CubePoint> points, const Cube
         }
       }
       all.insert(all.end(), block.entries.begin(), block.entries.end());
+      block = {};  // memory for the rows
     }
     coarse += size_t(face.coarse * face.coarse);
   }
