@@ -76,16 +76,24 @@ Entry entryAt(const DirectionCubes& cubes, uint index) {
                    : Entry{std::bit_cast<uint>(row.x), row.y};
 }
 
+// A quotient that is off by so many ulp: Vulkan allows a division 2.5.
+float quotient(float a, float b, int ulps) {
+  float result = a / b;
+  for (; ulps > 0; --ulps) result = std::nextafterf(result, INFINITY);
+  for (; ulps < 0; ++ulps) result = std::nextafterf(result, -INFINITY);
+  return result;
+}
+
 // The list of a direction's cell, in the arithmetic of cubeList().
 struct List {
   int axis;
   uint first, end, triangles;
 };
 
-List listOf(const DirectionCubes& cubes, size_t point, const glm::vec3& d) {
+List listOf(const DirectionCubes& cubes, size_t point, const glm::vec3& d, int ulps = 0) {
   const glm::vec3 size = glm::abs(d);
   const int axis = size.x > size.y ? (size.x > size.z ? 0 : 2) : (size.y > size.z ? 1 : 2);
-  const float u = d[(axis + 1) % 3] / d[axis], v = d[(axis + 2) % 3] / d[axis];
+  const float u = quotient(d[(axis + 1) % 3], d[axis], ulps), v = quotient(d[(axis + 2) % 3], d[axis], ulps);
   const Row& face = cubes.rows.at(6 * point + 2 * size_t(axis) + (d[axis] < 0));
   const uint side = face.w & 255, firstCell = face.w >> 8;
   const auto place = [&](float x, float corner) {
@@ -130,23 +138,24 @@ void collect(const Bvh& bvh, const BvhChild& child, float distance, std::vector<
 // Whatever a ray from the point hits must be in its list, and not be told to be farther than it is.
 void expectHitsInList(const Shapes& shapes, const DirectionCubes& cubes, size_t index, const CubePoint& point,
                       const glm::vec3& d) {
-  const List list = listOf(cubes, index, d);
-  std::vector<float> found(shapes.bvh.order.size(), INFINITY);
-  for (uint i = list.first; i < list.end; ++i) {
-    const Entry entry = entryAt(cubes, i);
-    if (entry.reference & gpu::kRefLeaf)
-      collect(shapes.bvh, {{}, entry.reference & gpu::kRefPlaceMask, 1}, entry.distance, found);
-    else
-      collect(shapes.bvh, {{}, entry.reference, 0}, entry.distance, found);
-  }
-  for (size_t i = 0; i < found.size(); ++i) {
-    const uint box = shapes.bvh.order[i];
-    const size_t spheres = shapes.scene.spheres.size();
-    const double t = box < spheres ? distanceTo(shapes.scene.spheres[box], point.position, d)
-                                   : distanceTo(shapes.scene.triangles[box - spheres], point.position, d);
-    if (t == kMiss) continue;
-    ASSERT_NE(found[i], INFINITY) << "primitive " << box << " is missing at t = " << t;
-    ASSERT_LE(found[i], t * std::abs(d[list.axis]) * (1 + 0x1p-18)) << "primitive " << box << " comes too late";
+  for (const int ulps : {-2, 0, 2}) {
+    const List list = listOf(cubes, index, d, ulps);
+    std::vector<float> found(shapes.bvh.order.size(), INFINITY);
+    for (uint i = list.first; i < list.end; ++i) {
+      const Entry entry = entryAt(cubes, i);
+      const bool isPrimitive = entry.reference & gpu::kRefLeaf;
+      const uint at = isPrimitive ? entry.reference & gpu::kRefPlaceMask : entry.reference;
+      collect(shapes.bvh, {{}, at, isPrimitive ? 1u : 0u}, entry.distance, found);
+    }
+    for (size_t i = 0; i < found.size(); ++i) {
+      const uint box = shapes.bvh.order[i];
+      const size_t spheres = shapes.scene.spheres.size();
+      const double t = box < spheres ? distanceTo(shapes.scene.spheres[box], point.position, d)
+                                     : distanceTo(shapes.scene.triangles[box - spheres], point.position, d);
+      if (t == kMiss) continue;
+      ASSERT_NE(found[i], INFINITY) << "primitive " << box << " is missing at t = " << t;
+      ASSERT_LE(found[i], t * std::abs(d[list.axis]) * (1 + 0x1p-18)) << "primitive " << box << " comes too late";
+    }
   }
 }
 
