@@ -323,6 +323,21 @@ TEST(Render, WorkGroupBeyondTheDeviceIsRefused) {
   EXPECT_THROW(renderShader(scene, settingsOf(scene, 8, 8), {.workGroup = 0}), InputError);
 }
 
+// The eye's lists cover the pixels that they were made for, and no others.
+TEST(Render, RefusesAnotherPictureThanTheScenesLists) {
+  const Scene scene = ours("diffuse");
+  RenderSettings settings = settingsOf(scene, 32, 32);
+  settings.crop = {8, 8, 24, 24};
+  test::renderer().upload(test::packed(scene, settings));
+  EXPECT_NO_THROW(test::renderer().render(test::kernel(), settings));
+  RenderSettings other = settings;
+  other.crop = {8, 8, 25, 24};
+  EXPECT_THROW(test::renderer().render(test::kernel(), other), RunError);
+  other = settings;
+  other.width = 33;
+  EXPECT_THROW(test::renderer().render(test::kernel(), other), RunError);
+}
+
 TEST(Render, TearsDownWithoutComplaints) {
   {
     const Scene scene = ours("diffuse");

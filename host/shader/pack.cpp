@@ -238,7 +238,11 @@ PackedScene packScene(const Scene& local, const Bvh& bvh, std::span<const Box> b
 
   PackedScene packed;
   packed.features = featuresOf(local);
-  packed.view = {local.camera, local.background};
+  packed.view = {.camera = local.camera,
+                 .background = local.background,
+                 .width = settings.width,
+                 .height = settings.height,
+                 .crop = settings.crop};
   packed.treeDepth = bvh.depth;
   packed.primitiveCount = bvh.order.size();
 

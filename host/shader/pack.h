@@ -25,6 +25,9 @@ struct View {
   Camera camera;  // in the local frame, its eye the origin
   glm::dvec3 background{0};
   gpu::uint root = gpu::kRefNone;  // of the tree
+  // The picture that the eye's lists are made for: a picture of this size, and pixels of this part of it.
+  int width = 0, height = 0;
+  Window crop;
 };
 
 struct PackedScene {

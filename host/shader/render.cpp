@@ -247,6 +247,11 @@ ShaderRenderer::Parts::Passes::Passes(Parts& owner, const Spirv& spirv, const Re
       workGroup(owner.workGroupSize(dispatching.workGroup)),
       samplesInPixel(uint(settings.samples * settings.samples)),
       fresh(make(true)) {
+  const View& view = parts.view;
+  const Window &packed = view.crop, &crop = settings.crop;
+  if (settings.width != view.width || settings.height != view.height || crop.x0 < packed.x0 || crop.y0 < packed.y0 ||
+      crop.x1 > packed.x1 || crop.y1 > packed.y1)
+    throw RunError("the scene was packed for another picture than is to be rendered");
   const int side = parts.tileSide(dispatching, settings.depth);
   tiles = cutIntoTiles(settings.crop, side);
   uint slots = 0, area = 0;
