@@ -61,13 +61,13 @@ TURNER_CONST kSpecSmoothNormals = 6u;
 TURNER_CONST kSpecHighlights = 7u;
 TURNER_CONST kSpecReflection = 8u;
 TURNER_CONST kSpecRefraction = 9u;
-TURNER_CONST kSpecFalloff = 10u;      // a light with inverse-square fall-off
-TURNER_CONST kSpecJitter = 11u;       // hashed positions instead of cell centres
-TURNER_CONST kSpecCounters = 12u;     // count rays, nodes and primitives
-TURNER_CONST kSpecNearestNodes = 13u; // walks for the nearest hit meet nodes, not only primitives
-TURNER_CONST kSpecShadowNodes = 14u;  // shadow rays do
-TURNER_CONST kSpecBudget = 15u;       // iterations of an invocation's loops in one dispatch; not a boolean
-TURNER_CONST kSpecFresh = 16u;        // the first pass over a tile: there is no work to take up; a boolean
+TURNER_CONST kSpecFalloff = 10u;       // a light with inverse-square fall-off
+TURNER_CONST kSpecJitter = 11u;        // hashed positions instead of cell centres
+TURNER_CONST kSpecCounters = 12u;      // count rays, nodes and primitives
+TURNER_CONST kSpecNearestNodes = 13u;  // walks for the nearest hit meet nodes, not only primitives
+TURNER_CONST kSpecShadowNodes = 14u;   // shadow rays do
+TURNER_CONST kSpecBudget = 15u;        // iterations of an invocation's loops in one dispatch; not a boolean
+TURNER_CONST kSpecFresh = 16u;         // the first pass over a tile: there is no work to take up; a boolean
 TURNER_CONST kSpecCount = 17u;
 
 // --- bindings -------------------------------------------------------------------------------------------------------
@@ -89,13 +89,13 @@ TURNER_CONST kBindCount = 10u;
 // from the top left of the full picture, is centre + (px - width/2) * right + (py - height/2) * down; each vector is
 // the unevaluated sum of two floats. The eye is the origin.
 struct Frame {
-  Row centreHi;    // w: root of the tree, a reference
-  Row centreLo;    // w: width of the full picture
-  Row rightHi;     // w: height of the full picture
-  Row rightLo;     // w: seed
-  Row downHi;      // w: least weight of a ray (float)
-  Row downLo;      // w: threads of a CPU device, which get contiguous shares of a dispatch; 1 elsewhere
-  Row background;  // w: kCanaryLength
+  Row centreHi;      // w: root of the tree, a reference
+  Row centreLo;      // w: width of the full picture
+  Row rightHi;       // w: height of the full picture
+  Row rightLo;       // w: seed
+  Row downHi;        // w: least weight of a ray (float)
+  Row downLo;        // w: threads of a CPU device, which get contiguous shares of a dispatch; 1 elsewhere
+  Row background;    // w: kCanaryLength
   Row addresses[6];  // x, y: of the row arrays from kBindNodes on, where the kernel fetches by address
 };
 
@@ -110,9 +110,9 @@ struct Tile {
   uint unused;
 };
 
-// A node of the tree: two children with their boxes (Aila and Laine 2009 keep both in the parent), each plane in a byte:
-// plane = origin + byte * 2^(exponent - 127), rounded outward (Mahovsky and Wyvill 2006 encode boxes relative to their
-// parent's). A node's inner child stands next to it; of two inner children the first.
+// A node of the tree: two children with their boxes (Aila and Laine 2009 keep both in the parent), each plane in a
+// byte: plane = origin + byte * 2^(exponent - 127), rounded outward (Mahovsky and Wyvill 2006 encode boxes relative to
+// their parent's). A node's inner child stands next to it; of two inner children the first.
 //   exponents: those of x, y, z in bytes 0 to 2; byte 3: bit 0 and 1: child 0, child 1 is a leaf (never child 1 alone);
 //   of a second leaf: bits 3..2: how many primitives, less 1, bit 4: triangles, bits 7..5: its place less that of the
 //   first, less 1
@@ -151,12 +151,12 @@ struct Light {
 };
 
 // One face of the cube of directions around a point that many rays share: the eye, or a light. Coordinates on the face
-// are u = a / c, v = b / c, where c is the coordinate along the face's axis and a, b the next two in cyclic order. Faces:
-// +x, -x, +y, -y, +z, -z; cubes: the eye's, then each light's. Behind the faces stand coarse cells, fine cells and the
-// lists, all in one array of rows (host/shader/direction_cube).
+// are u = a / c, v = b / c, where c is the coordinate along the face's axis and a, b the next two in cyclic order.
+// Faces: +x, -x, +y, -y, +z, -z; cubes: the eye's, then each light's. Behind the faces stand coarse cells, fine cells
+// and the lists, all in one array of rows (host/shader/direction_cube).
 struct CubeFace {
-  Row window;  // u and v of its corner; z: coarse cells per unit of u and of v; w: coarse cells on a side, | 256 times the
-               // row of the first of them
+  Row window;  // u and v of its corner; z: coarse cells per unit of u and of v; w: coarse cells on a side, | 256 times
+               // the row of the first of them
 };
 // A coarse cell is a row: row of its first fine cell, fine cells on a side. A fine cell is a row: its first entry, the
 // end of its entries, its first triangle. An entry is half a row: a reference, and the least distance along the face's
@@ -173,9 +173,9 @@ TURNER_CONST kCubeRows = 6u;
 
 // What the host reads after a dispatch.
 struct Status {
-  uint unfinished;       // invocations that have work left
-  uint limiter;          // invocations whose canary loop was cut: a driver's loop limiter fired
-  uint samplesWaiting;   // samples that they have not yet finished
+  uint unfinished;      // invocations that have work left
+  uint limiter;         // invocations whose canary loop was cut: a driver's loop limiter fired
+  uint samplesWaiting;  // samples that they have not yet finished
   uint unused;
 };
 
@@ -185,14 +185,14 @@ TURNER_CONST kStateSum = 0u;           // sum of radiance; w: kind | level << 8 
 TURNER_CONST kStateCompensation = 1u;  // of the sum; w: samples done
 TURNER_CONST kStateRay = 2u;           // origin; w: primitive it leaves
 TURNER_CONST kStateDirection = 3u;     // w: weight (float)
-TURNER_CONST kStateHit = 4u;           // x: t of the hit (float), y: primitive, z: light, w: first triangle of the walk's list
-TURNER_CONST kStateWalk = 5u;          // x: reference to visit next, y: t of the best hit (float), z: that primitive, w: its id
-TURNER_CONST kStateList = 6u;          // x, y: rest of the walk's list; z, w: levels that have a ray waiting
-TURNER_CONST kStateRays = 7u;          // counted: eye, reflected, refracted, shadow
-TURNER_CONST kStateNodes = 8u;         // nodes visited by each kind of ray
-TURNER_CONST kStatePrimitives = 9u;    // primitives tested by each kind of ray
-TURNER_CONST kStateNodeStack = 10u;    // kMaxTreeDepth references, four in a row
-TURNER_CONST kStateRayStack = 22u;     // two rows for each level from 2 on: origin, leaving; direction, weight
+TURNER_CONST kStateHit = 4u;   // x: t of the hit (float), y: primitive, z: light, w: first triangle of the walk's list
+TURNER_CONST kStateWalk = 5u;  // x: reference to visit next, y: t of the best hit (float), z: that primitive, w: its id
+TURNER_CONST kStateList = 6u;  // x, y: rest of the walk's list; z, w: levels that have a ray waiting
+TURNER_CONST kStateRays = 7u;  // counted: eye, reflected, refracted, shadow
+TURNER_CONST kStateNodes = 8u;       // nodes visited by each kind of ray
+TURNER_CONST kStatePrimitives = 9u;  // primitives tested by each kind of ray
+TURNER_CONST kStateNodeStack = 10u;  // kMaxTreeDepth references, four in a row
+TURNER_CONST kStateRayStack = 22u;   // two rows for each level from 2 on: origin, leaving; direction, weight
 
 #ifdef __cplusplus
 inline constexpr uint stateRows(uint depth) {
