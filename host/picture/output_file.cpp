@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "descriptor.h"
 #include "errors.h"
 
 namespace turner {
@@ -31,17 +32,6 @@ constexpr int kMaxAttempts = 100;
 [[noreturn]] void fail(const std::string& path, const char* call, int error) {
   throw RunError(path + ": error: cannot write: " + call + ": " + std::strerror(error));
 }
-
-// A file descriptor that is closed at the end of its scope, for the ways out that report another failure.
-struct Descriptor {
-  int number;
-  explicit Descriptor(int opened) : number(opened) {}
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  ~Descriptor() {
-    if (number >= 0) ::close(number);
-  }
-};
 
 // A temporary file that goes away unless it was renamed.
 struct Temporary {

@@ -79,6 +79,9 @@ gpu::Triangle packTriangle(const Triangle& triangle, uint id) {
   return {row(a, id), row(b, triangle.material), row(c, triangle.normals), row(plane->normal, plane->offset)};
 }
 
+// Trees are built within the builder's default limits; the kernel's numbers have room for no more.
+static_assert(BvhLimits{}.maxLeafSize == gpu::kMaxLeafSize && BvhLimits{}.maxDepth == int(gpu::kMaxTreeDepth));
+
 uint leafReference(const BvhChild& leaf, std::span<const uint> references) {
   return gpu::kRefLeaf | ((leaf.count - 1) << gpu::kRefCountShift) | references[leaf.first];
 }

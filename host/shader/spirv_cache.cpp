@@ -15,6 +15,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "descriptor.h"
 #include "scene/text_file.h"
 
 namespace turner {
@@ -74,16 +75,6 @@ std::optional<CachedSpirv> decode(const std::string& key, std::string_view bytes
 }
 
 // --- files ----------------------------------------------------------------------------------------------------------
-
-struct Descriptor {
-  int number;
-  explicit Descriptor(int opened) : number(opened) {}
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  ~Descriptor() {
-    if (number >= 0) ::close(number);
-  }
-};
 
 // The bytes of a regular file. Marks it as used, where that is allowed.
 std::optional<std::string> readAndMark(const std::string& path) {
