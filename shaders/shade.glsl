@@ -12,6 +12,23 @@ struct Surface {
   uint material;
 };
 
+// A material as it lies in memory.
+struct MaterialRows {
+  Row diffuse, specular, other;
+};
+
+MaterialRows materialRows(uint material) {
+  uint row = kMaterialRows * material;
+  return MaterialRows(ROW(materials, row + kMaterialDiffuse), ROW(materials, row + kMaterialSpecular),
+                      ROW(materials, row + kMaterialOther));
+}
+
+float reflectance(MaterialRows m) { return uintBitsToFloat(m.diffuse.w); }     // r
+float transmittance(MaterialRows m) { return uintBitsToFloat(m.specular.w); }  // t
+float shininess(MaterialRows m) { return uintBitsToFloat(m.other.x); }         // n
+float indexOfRefraction(MaterialRows m) { return uintBitsToFloat(m.other.y); }  // eta
+float localWeight(MaterialRows m) { return uintBitsToFloat(m.other.z); }
+
 // The largest of three components.
 float largest(vec3 v) { return max(max(v.x, v.y), v.z); }
 
@@ -81,20 +98,26 @@ bool facesLight(Surface surface, vec3 lightPosition) {
   return dot(surface.Ns, L) > 0.0 && dot(surface.Ng, L) > 0.0;
 }
 
+// Whether a surface sends nothing of any light toward the eye by itself.
+bool reflectsNoLight(MaterialRows material) {
+  vec3 most = max(xyz(material.diffuse), HIGHLIGHTS ? xyz(material.specular) : vec3(0));
+  return localWeight(material) * largest(most) <= 0.0;
+}
+
 // E (k_d + k_s max(0, N.H)^n) N.L of one light that is not in shadow.
-vec3 lightReflected(Surface surface, vec3 V, Row lightPosition, vec3 E, vec3 diffuse, vec3 specular, float shininess) {
+vec3 lightReflected(Surface surface, vec3 V, Row lightPosition, vec3 E, MaterialRows material) {
   vec3 toward = xyz(lightPosition) - surface.point;
   float squared = dot(toward, toward);
   vec3 L = toward / sqrt(squared);
   if (FALLOFF && lightPosition.w != 0u) E /= squared;
-  vec3 brdf = diffuse;
+  vec3 brdf = xyz(material.diffuse);
   if (HIGHLIGHTS) {
     vec3 H = L + V;
     float h2 = dot(H, H);
     // N.H = 1 - |N - H|^2 / 2 for unit vectors: near 1, where a high power looks, the difference keeps its digits.
     vec3 difference = surface.Ns - H * inversesqrt(max(h2, 1e-30));
     float q = 0.5 * dot(difference, difference);
-    if (h2 > 0.0) brdf += specular * powOneMinus(min(q, 1.0), shininess);
+    if (h2 > 0.0) brdf += xyz(material.specular) * powOneMinus(min(q, 1.0), shininess(material));
   }
   return E * brdf * dot(surface.Ns, L);
 }

@@ -125,39 +125,46 @@ void passPrimitive(inout Walk walk) {
   if (last) popNode(walk);
 }
 
-// The turns of loops that a walk makes with no lane in it: lavapipe 22.3 runs a loop's body once more before it leaves
-// the loop, and the loops inside with it. Whoever calls continueWalk, or has other lanes call it, pays them.
+// The turns that a walk's loops make with no lane in them: lavapipe 22.3 runs the body of every loop at least once.
+// Whoever calls continueWalk, or has other lanes call it, pays for them.
 int idleTurns(bool meetsNodes) { return meetsNodes ? 3 : int(SPHERES) + int(TRIANGLES); }
 
 // Goes through the tree. Leaves and nodes have loops of their own: lavapipe 22.3 executes both sides of every branch, but
-// leaves a loop when no lane is in it.
+// leaves a loop when no lane is in it. It looks for that at the loop's end; a condition at the loop's head would cost it
+// one more turn with no lane in it.
 void walkTree(Ray ray, RayFactors factors, bool anyHit, uint kind, float reach, inout Walk walk, inout int budget) {
-  while (walk.next != kRefNone && budget > 0) {
-    budget -= 3;  // this turn, and the last one of each loop inside
-    while ((walk.next & kRefLeaf) != 0u && walk.next != kRefNone && budget > 0) {
-      --budget;
-      if (walk.next != kRefNext) {
-        bool isTriangle = TRIANGLES && (!SPHERES || (walk.next & kRefTriangle) != 0u);
-        uint primitive = walk.next & (kRefTriangle | kRefPlaceMask);
-        bool taken = visitPrimitive(ray, factors, primitive, isTriangle, anyHit, walk);
-        passPrimitive(walk);
-        if (anyHit && taken) walk.next = kRefNone;
-        if (COUNTERS) ++primitivesVisited[kind];
-      }
-      if (walk.next == kRefNext) takeEntry(walk, walk.tMax * reach);
+  if (walk.next == kRefNone || budget <= 0) return;
+  do {
+    budget -= 3;  // this turn, and those of the loops inside that no lane takes
+    if ((walk.next & kRefLeaf) != 0u && budget > 0) {
+      do {
+        --budget;
+        if (walk.next != kRefNext) {
+          bool isTriangle = TRIANGLES && (!SPHERES || (walk.next & kRefTriangle) != 0u);
+          uint primitive = walk.next & (kRefTriangle | kRefPlaceMask);
+          bool taken = visitPrimitive(ray, factors, primitive, isTriangle, anyHit, walk);
+          passPrimitive(walk);
+          if (anyHit && taken) walk.next = kRefNone;
+          if (COUNTERS) ++primitivesVisited[kind];
+        }
+        if (walk.next == kRefNext) takeEntry(walk, walk.tMax * reach);
+      } while ((walk.next & kRefLeaf) != 0u && walk.next != kRefNone && budget > 0);
     }
-    while ((walk.next & kRefLeaf) == 0u && budget > 0) {
-      --budget;
-      visitNode(ray, factors, walk);
-      if (COUNTERS) ++nodesVisited[kind];
+    if ((walk.next & kRefLeaf) == 0u && budget > 0) {
+      do {
+        --budget;
+        visitNode(ray, factors, walk);
+        if (COUNTERS) ++nodesVisited[kind];
+      } while ((walk.next & kRefLeaf) == 0u && budget > 0);
     }
-  }
+  } while (walk.next != kRefNone && budget > 0);
 }
 
 // Goes through the spheres or the triangles of a list, from its next entry to `end`.
 void walkPrimitives(Ray ray, RayFactors factors, bool areTriangles, uint end, bool anyHit, uint kind, float reach,
                     inout Walk walk, inout int budget) {
-  while (walk.list.x < end && walk.next != kRefNone && budget > 0) {
+  if (walk.list.x >= end || walk.next == kRefNone || budget <= 0) return;
+  do {
     --budget;
     uvec2 entry = listEntry(walk.list.x);
     bool within = uintBitsToFloat(entry.y) <= walk.tMax * reach;
@@ -168,7 +175,7 @@ void walkPrimitives(Ray ray, RayFactors factors, bool areTriangles, uint end, bo
       if (anyHit && taken) walk.next = kRefNone;
       if (COUNTERS) ++primitivesVisited[kind];
     }
-  }
+  } while (walk.list.x < end && walk.next != kRefNone && budget > 0);
 }
 
 // Goes along a list that holds no nodes, its spheres before its triangles.

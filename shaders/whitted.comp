@@ -105,10 +105,122 @@ void beginSample(uvec2 pixel) {
   if (COUNTERS) ++raysSpawned[kEye];
 }
 
+// The nearest hit of the ray in hand, or as much of the way there as the budget allows.
+void findNearestHit(RayFactors factors, inout int budget) {
+  continueWalk(ray, factors, false, NEAREST_NODES, rayKind, abs(along(ray.direction, factors.axis)), walk, budget);
+  if (!isOver(walk)) return;
+  hitT = walk.tMax;
+  hitPrimitive = walk.hit;
+  light = 0u;
+  phase = kNextLight;
+  // A miss sees the background.
+  if (hitPrimitive == kRefNone) {
+    compensatedAdd(sum, compensation, weight * xyz(frame.background));
+    phase = kNextRay;
+  }
+}
+
+// One light, if it faces the surface: a shadow ray to it, and its light if nothing hides it.
+void addLight(Surface surface, MaterialRows material, inout int budget) {
+  Row position = ROW(lights, kLightRows * light + kLightPosition);
+  Row color = ROW(lights, kLightRows * light + kLightColor);
+  Ray shadowRay = leaveSurface(surface, hitPrimitive, vec3(0), true);
+  shadowRay.direction = xyz(position) - shadowRay.origin;
+  RayFactors factors = rayFactors(shadowRay.direction);
+  bool faces = facesLight(surface, xyz(position));
+  if (phase == kNextLight && faces) {
+    // Seen from the light, the ray comes through the opposite face. The light's own end is open: what stands exactly at
+    // the light does not block it.
+    uint face = cubeFace(-shadowRay.direction, factors.axis);
+    walk = walkAlongList(cubeList(kEyeCube + 1u + light, face, factors.shear.xy), 1.0 - 1.0 / 1048576.0);
+    phase = kTraceShadow;
+    if (COUNTERS) ++raysSpawned[kShadow];
+  }
+  if (phase == kTraceShadow)
+    continueWalk(shadowRay, factors, true, SHADOW_NODES, kShadow, abs(along(shadowRay.direction, factors.axis)), walk,
+                 budget);
+  if (phase == kNextLight || isOver(walk)) {
+    if (phase == kTraceShadow && walk.hit == kRefNone)
+      compensatedAdd(sum, compensation,
+                     weight * localWeight(material) * lightReflected(surface, -ray.direction, position, xyz(color), material));
+    ++light;
+    phase = kNextLight;
+  }
+}
+
+// All lights are done: spawns what is reflected and transmitted. One ray goes on, the other waits.
+void spawnRays(Surface surface, MaterialRows material, uint slot) {
+  phase = kNextRay;
+  float r = reflectance(material), t = transmittance(material);
+  vec3 T = vec3(0);
+  bool passes = REFRACTION && t > 0.0 && transmission(surface, ray.direction, indexOfRefraction(material), T);
+  // On total internal reflection the share of T goes to R.
+  if (!passes) r += REFRACTION ? t : 0.0;
+  float reflectedWeight = weight * r, transmittedWeight = weight * t;
+  // A share of 0 spawns nothing. The factors tell: far down the tree the product may underflow.
+  float minWeight = uintBitsToFloat(frame.downHi.w);
+  bool deeper = level < DEPTH;
+  bool reflects = (REFLECTION || REFRACTION) && deeper && r > 0.0 && reflectedWeight >= minWeight;
+  bool transmits = REFRACTION && deeper && passes && transmittedWeight >= minWeight;
+  if (COUNTERS && reflects) ++raysSpawned[kReflected];
+  if (COUNTERS && transmits) ++raysSpawned[kRefracted];
+
+  Ray through = leaveSurface(surface, hitPrimitive, T, false);
+  if (reflects) {
+    if (transmits) pushRay(slot, through, transmittedWeight);
+    ray = leaveSurface(surface, hitPrimitive, reflection(surface, ray.direction), true);
+    rayKind = kReflected;
+    weight = reflectedWeight;
+  } else if (transmits) {
+    ray = through;
+    rayKind = kRefracted;
+    weight = transmittedWeight;
+  }
+  if (reflects || transmits) {
+    ++level;
+    walk = walkFromRoot();
+    phase = kTrace;
+  }
+}
+
+// Follows one ray to its nearest hit, from there to the lights, and spawns the next: one step down the tree of rays.
+void followRay(uint slot, uvec2 pixel, inout int budget) {
+  // This turn, and those that no lane takes: of the walk below, of the loop over lights and of the walk in it.
+  budget -= 2 + idleTurns(NEAREST_NODES) + idleTurns(SHADOW_NODES);
+  if (SAMPLES > 1u && phase == kNextSample) beginSample(pixel);
+
+  RayFactors factors = rayFactors(ray.direction);
+  if (phase == kTrace) findNearestHit(factors, budget);
+
+  if (phase == kNextLight || phase == kTraceShadow) {
+    Surface surface = surfaceAt(ray, factors, hitT, hitPrimitive);
+    MaterialRows material = materialRows(surface.material);
+    if (phase == kNextLight && reflectsNoLight(material)) light = LIGHTS;
+    if (light < LIGHTS && budget > 0) {
+      do {
+        budget -= 1 + idleTurns(SHADOW_NODES);
+        addLight(surface, material, budget);
+      } while (light < LIGHTS && budget > 0);
+    }
+    if (phase == kNextLight && light >= LIGHTS) spawnRays(surface, material, slot);
+  }
+
+  // Go on with the deepest ray that waits; without one the sample is complete.
+  if (phase == kNextRay) {
+    if (REFRACTION && anyPending()) {
+      popRay(slot);
+      walk = walkFromRoot();
+      phase = kTrace;
+    } else {
+      ++sampleIndex;
+      phase = sampleIndex < SAMPLES * SAMPLES ? kNextSample : kDone;
+    }
+  }
+}
+
 void main() {
   frame = frameInMemory;
   root = frame.centreHi.w;
-  float minWeight = uintBitsToFloat(frame.downHi.w);
   uint slot = invocationSlot();
   uvec2 inTile = slotPixel(slot);
   bool exists = slot < tile.slots;  // some slots have no pixel: the tile's last blocks reach beyond it
@@ -131,116 +243,10 @@ void main() {
   bool finishedBefore = phase == kDone;
 
   int budget = int(BUDGET);
-  while (phase != kDone && budget > 0) {
-    // This turn, the walk below, the last turn of the loop over lights and the walk in it.
-    budget -= 2 + idleTurns(NEAREST_NODES) + idleTurns(SHADOW_NODES);
-    if (SAMPLES > 1u && phase == kNextSample) beginSample(pixel);
-
-    // Find the nearest hit of the ray in hand.
-    RayFactors factors = rayFactors(ray.direction);
-    if (phase == kTrace) {
-      continueWalk(ray, factors, false, NEAREST_NODES, rayKind, abs(along(ray.direction, factors.axis)), walk, budget);
-      if (isOver(walk)) {
-        hitT = walk.tMax;
-        hitPrimitive = walk.hit;
-        light = 0u;
-        phase = kNextLight;
-        // A miss sees the background.
-        if (hitPrimitive == kRefNone) {
-          compensatedAdd(sum, compensation, weight * xyz(frame.background));
-          phase = kNextRay;
-        }
-      }
-    }
-
-    if (phase == kNextLight || phase == kTraceShadow) {
-      // What is there?
-      Surface surface = surfaceAt(ray, factors, hitT, hitPrimitive);
-      uint material = kMaterialRows * surface.material;
-      Row diffuse = ROW(materials, material + kMaterialDiffuse);
-      Row specular = ROW(materials, material + kMaterialSpecular);
-      Row other = ROW(materials, material + kMaterialOther);
-      float localWeight = uintBitsToFloat(other.z);
-
-      // Add the light of every light that faces the surface and that nothing hides.
-      vec3 local = max(xyz(diffuse), HIGHLIGHTS ? xyz(specular) : vec3(0));
-      if (phase == kNextLight && localWeight * largest(local) <= 0.0) light = LIGHTS;
-      while (light < LIGHTS && budget > 0) {
-        budget -= 1 + idleTurns(SHADOW_NODES);
-        Row position = ROW(lights, kLightRows * light + kLightPosition);
-        Row color = ROW(lights, kLightRows * light + kLightColor);
-        Ray shadowRay = leaveSurface(surface, hitPrimitive, vec3(0), true);
-        shadowRay.direction = xyz(position) - shadowRay.origin;
-        RayFactors shadowFactors = rayFactors(shadowRay.direction);
-        bool faces = facesLight(surface, xyz(position));
-        if (phase == kNextLight && faces) {
-          // Seen from the light, the ray comes through the opposite face. The light's own end is open: what stands exactly
-          // at the light does not block it.
-          uint face = cubeFace(-shadowRay.direction, shadowFactors.axis);
-          walk = walkAlongList(cubeList(kEyeCube + 1u + light, face, shadowFactors.shear.xy), 1.0 - 1.0 / 1048576.0);
-          phase = kTraceShadow;
-          if (COUNTERS) ++raysSpawned[kShadow];
-        }
-        if (phase == kTraceShadow)
-          continueWalk(shadowRay, shadowFactors, true, SHADOW_NODES, kShadow,
-                       abs(along(shadowRay.direction, shadowFactors.axis)), walk, budget);
-        if (phase == kNextLight || isOver(walk)) {
-          if (phase == kTraceShadow && walk.hit == kRefNone)
-            compensatedAdd(sum, compensation,
-                           weight * localWeight *
-                               lightReflected(surface, -ray.direction, position, xyz(color), xyz(diffuse), xyz(specular),
-                                              uintBitsToFloat(other.x)));
-          ++light;
-          phase = kNextLight;
-        }
-      }
-
-      // All lights are done: spawn what is reflected and transmitted.
-      if (phase == kNextLight && light >= LIGHTS) {
-        phase = kNextRay;
-        float r = uintBitsToFloat(diffuse.w), t = uintBitsToFloat(specular.w);
-        vec3 T = vec3(0);
-        bool passes = REFRACTION && t > 0.0 && transmission(surface, ray.direction, uintBitsToFloat(other.y), T);
-        // On total internal reflection the share of T goes to R.
-        if (!passes) r += REFRACTION ? t : 0.0;
-        float reflectedWeight = weight * r, transmittedWeight = weight * t;
-        // A share of 0 spawns nothing. The factors tell: far down the tree the product may underflow.
-        bool deeper = level < DEPTH;
-        bool reflects = (REFLECTION || REFRACTION) && deeper && r > 0.0 && reflectedWeight >= minWeight;
-        bool transmits = REFRACTION && deeper && passes && transmittedWeight >= minWeight;
-        if (COUNTERS && reflects) ++raysSpawned[kReflected];
-        if (COUNTERS && transmits) ++raysSpawned[kRefracted];
-
-        Ray through = leaveSurface(surface, hitPrimitive, T, false);
-        if (reflects) {
-          if (transmits) pushRay(slot, through, transmittedWeight);
-          ray = leaveSurface(surface, hitPrimitive, reflection(surface, ray.direction), true);
-          rayKind = kReflected;
-          weight = reflectedWeight;
-        } else if (transmits) {
-          ray = through;
-          rayKind = kRefracted;
-          weight = transmittedWeight;
-        }
-        if (reflects || transmits) {
-          ++level;
-          walk = walkFromRoot();
-          phase = kTrace;
-        }
-      }
-    }
-
-    // Go on with the deepest ray that waits; without one the sample is complete.
-    if (phase == kNextRay) {
-      if (REFRACTION && anyPending()) {
-        popRay(slot);
-        walk = walkFromRoot();
-        phase = kTrace;
-      } else {
-        ++sampleIndex;
-        phase = sampleIndex < SAMPLES * SAMPLES ? kNextSample : kDone;
-      }
-    }
+  if (phase != kDone) {
+    do {
+      followRay(slot, pixel, budget);
+    } while (phase != kDone && budget > 0);
   }
 
   if (COUNTERS && exists && (FRESH || !finishedBefore)) putCountsAway(slot);
