@@ -59,37 +59,34 @@ float hitSphere(Ray ray, RayFactors factors, vec3 center, float radius, bool lea
   return leavesIt ? second : t;
 }
 
-// The signed areas of a triangle's edges as the ray sees them (Woop, Benthin, Wald, JCGT 2(1), 2013). Watertight without
-// a wider type: each product is rounded by itself, so that a difference has the right sign or is 0, and the neighbour
-// across an edge gets exactly the opposite.
-struct Edges {
-  bool inside;
-  vec3 weights;        // of the vertices, times det
-  float det;           // 0: seen edge-on, not inside
-  float tNear, tFar;   // distances of the nearest and the farthest vertex, measured along the ray's largest component
-};
+// A vertex as the ray sees it (Woop, Benthin, Wald, JCGT 2(1), 2013): x and y across the ray, z its distance, measured
+// along the ray's largest component.
+vec3 sheared(Ray ray, RayFactors factors, vec3 vertex) {
+  precise vec3 v = turn(vertex - ray.origin, factors.axis);
+  precise vec2 across = v.xy - factors.shear.xy * v.z;
+  return vec3(across, v.z * factors.shear.z);
+}
 
-Edges triangleEdges(Ray ray, RayFactors factors, vec3 v0, vec3 v1, vec3 v2) {
-  precise vec3 a = turn(v0 - ray.origin, factors.axis);
-  precise vec3 b = turn(v1 - ray.origin, factors.axis);
-  precise vec3 c = turn(v2 - ray.origin, factors.axis);
-  precise vec2 as = a.xy - factors.shear.xy * a.z;
-  precise vec2 bs = b.xy - factors.shear.xy * b.z;
-  precise vec2 cs = c.xy - factors.shear.xy * c.z;
-  precise float u = cs.x * bs.y - cs.y * bs.x;
-  precise float v = as.x * cs.y - as.y * cs.x;
-  precise float w = bs.x * as.y - bs.y * as.x;
+// The signed area between the ray and an edge of sheared vertices. Watertight without a wider type: each product is
+// rounded by itself, so that the difference has the right sign or is 0, and the neighbour across the edge, who has the
+// ends in the other order, gets exactly the opposite.
+float edgeArea(vec3 from, vec3 to) {
+  precise float area = to.x * from.y - to.y * from.x;
+  return area;
+}
+
+// Whether the ray passes a triangle of these areas: on the same side of all edges, and not edge-on.
+bool isInside(float u, float v, float w) {
   precise float det = u + v + w;
   bool outside = lesser(lesser(u, v), w) < 0.0 && greater(greater(u, v), w) > 0.0;
-  vec3 t = vec3(a.z, b.z, c.z) * factors.shear.z;
-  return Edges(!outside && det != 0.0, vec3(u, v, w), det, lesser(lesser(t.x, t.y), t.z), greater(greater(t.x, t.y), t.z));
+  return !outside && det != 0.0;
 }
 
 // Distance to a triangle's plane, which is better than the one that the edges give: on thin triangles by far, and beside
 // the eye of a huge one. Kept between the vertices, because the plane of a triangle seen nearly edge-on tells nothing.
-float planeDistance(Ray ray, Edges edges, vec3 normal, float offset) {
+float planeDistance(Ray ray, vec3 normal, float offset, float tNear, float tFar) {
   precise float slope = dot(normal, ray.direction);
   precise float t = (offset - dot(normal, ray.origin)) / slope;
-  if (slope == 0.0) t = edges.tNear;
-  return lesser(greater(t, edges.tNear), edges.tFar);
+  if (slope == 0.0) t = tNear;
+  return lesser(greater(t, tNear), tFar);
 }

@@ -23,21 +23,26 @@ struct Row {
 #endif
 
 // --- references -----------------------------------------------------------------------------------------------------
-// What a walk visits: a node (its index), or a leaf: some primitives of one kind that lie side by side.
-//   bit 31: leaf | bit 30: triangles, else spheres | bits 29..28: how many, less 1 | bits 27..0: place of the first
-// Places count units of kUnitRows rows: a sphere takes one, a triangle two.
+// What a walk visits: a node (its index), or a leaf: some shapes of one kind that lie side by side. A shape is a sphere
+// or a pair of triangles.
+//   bit 31: leaf | bit 30: pairs, else spheres | bits 29..28: how many, less 1 | bit 27: of the first pair only the
+//   second triangle is left | bits 26..0: place of the first
+// Places count units of kUnitRows rows.
 TURNER_CONST kRefLeaf = 0x80000000u;
 TURNER_CONST kRefTriangle = 0x40000000u;
 TURNER_CONST kRefCountShift = 28u;
 TURNER_CONST kRefCountMask = 3u;
-TURNER_CONST kRefPlaceMask = 0x0fffffffu;
+TURNER_CONST kRefSecond = 0x08000000u;
+TURNER_CONST kRefPlaceMask = 0x07ffffffu;
 TURNER_CONST kRefNone = 0xffffffffu;  // nothing is left to visit
-TURNER_CONST kRefNext = 0xfffffffeu;  // whatever the walk's list holds next
+TURNER_CONST kRefNext = 0xfffffffeu;  // whatever the walk's stack or its list holds next
 TURNER_CONST kMaxLeafSize = 4u;
 TURNER_CONST kUnitRows = 2u;
-TURNER_CONST kMaxUnits = 0x0ffffff0u;  // so that no leaf reads as kRefNone or kRefNext
-// One primitive uses bits 30 and 27..0 likewise. Where it is the one that a ray starts on, bit 29 says that the ray
-// goes to the side of a sphere's centre.
+TURNER_CONST kSphereUnits = 1u, kPairUnits = 3u;
+TURNER_CONST kMaxUnits = 0x07fffff0u;  // so that no leaf reads as kRefNone or kRefNext
+// One sphere or triangle uses bits 30 and 27..0 likewise. Where it is the one that a ray starts on, bit 29 says that
+// the ray goes to the side of a sphere's centre.
+TURNER_CONST kRefPrimitive = kRefTriangle | kRefSecond | kRefPlaceMask;
 TURNER_CONST kLeavesInward = 0x20000000u;
 
 // Deepest path of inner nodes; the builder keeps to it, the traversal's stack has room for it.
@@ -114,25 +119,27 @@ struct Tile {
 // byte: plane = origin + byte * 2^(exponent - 127), rounded outward (Mahovsky and Wyvill 2006 encode boxes relative to
 // their parent's). A node's inner child stands next to it; of two inner children the first.
 //   exponents: those of x, y, z in bytes 0 to 2; byte 3: bit 0 and 1: child 0, child 1 is a leaf (never child 1 alone);
-//   of a second leaf: bits 3..2: how many primitives, less 1, bit 4: triangles, bits 7..5: its place less that of the
-//   first, less 1
+//   of a second leaf, which stands behind the first: bits 3..2: how many shapes, less 1, bit 4: pairs
 struct Node {
   Row origin;  // w: exponents
   Row planes;  // x, y, z: lo 0, hi 0, lo 1, hi 1 (bytes of an integer); w: the reference that is neither next to it nor
                // behind the first leaf
 };
 
-// Primitives stand in the order of the leaves.
+// Shapes stand in the order of the leaves.
 struct Sphere {
   Row center;  // w: radius (float); negative: the surface faces inward
   Row tags;    // x: id, y: material (integers in a row's float places, by their bits)
 };
 
-struct Triangle {
-  Row v0;      // w: id
-  Row v1;      // w: material
-  Row v2;      // w: index of its vertex normals, or kRefNone
-  Row normal;  // of its plane, N.x = w (a float): unit, counter-clockwise side, computed in double by the host
+// Two triangles that share an edge: v0 v1 v2 and v3 v2 v1, seen counter-clockwise from their fronts. One that is alone
+// has v1 once more as v3, so that the other is a line and never hit.
+struct TrianglePair {
+  Row v0;          // w: id of the first
+  Row v1;          // w: material of both
+  Row v2;          // w: index of the vertex normals of the first, those of the second are next; or kRefNone
+  Row v3;          // w: id of the second, or kRefNone
+  Row normals[2];  // of their planes, N.x = w (a float): unit, counter-clockwise side, computed in double by the host
 };
 
 struct VertexNormals {
@@ -165,7 +172,7 @@ struct CubeFace {
 // The kernel fetches rows one by one: their places in the structures above.
 TURNER_CONST kNodeOrigin = 0u, kNodePlanes = 1u, kNodeRows = 2u;
 TURNER_CONST kSphereCenter = 0u, kSphereTags = 1u;
-TURNER_CONST kTriangleV0 = 0u, kTriangleV1 = 1u, kTriangleV2 = 2u, kTriangleNormal = 3u;
+TURNER_CONST kPairV0 = 0u, kPairV1 = 1u, kPairV2 = 2u, kPairV3 = 3u, kPairNormals = 4u;
 TURNER_CONST kVertexNormalsRows = 3u;
 TURNER_CONST kMaterialDiffuse = 0u, kMaterialSpecular = 1u, kMaterialOther = 2u, kMaterialRows = 3u;
 TURNER_CONST kLightPosition = 0u, kLightColor = 1u, kLightRows = 2u;
@@ -203,8 +210,8 @@ static_assert(sizeof(Row) == 16);
 static_assert(sizeof(Frame) == 208);
 static_assert(sizeof(Tile) == 32);
 static_assert(sizeof(Node) == 32);
-static_assert(sizeof(Sphere) == kUnitRows * sizeof(Row));
-static_assert(sizeof(Triangle) == 2 * kUnitRows * sizeof(Row));
+static_assert(sizeof(Sphere) == kSphereUnits * kUnitRows * sizeof(Row));
+static_assert(sizeof(TrianglePair) == kPairUnits * kUnitRows * sizeof(Row));
 static_assert(sizeof(VertexNormals) == 48);
 static_assert(sizeof(Material) == 48);
 static_assert(sizeof(Light) == 32);

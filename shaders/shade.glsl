@@ -54,7 +54,8 @@ Surface surfaceAt(Ray ray, RayFactors factors, float t, uint primitive) {
     surface.material = row1.y;
   }
   if (TRIANGLES && (primitive & kRefTriangle) != 0u) {
-    Row row2 = ROW(primitives, row + kTriangleV2), plane = ROW(primitives, row + kTriangleNormal);
+    uint isSecond = (primitive & kRefSecond) != 0u ? 1u : 0u;
+    Row plane = ROW(primitives, row + kPairNormals + isSecond);
     surface.Ng = xyz(plane);
     surface.material = row1.w;
     // Put the point back on the plane.
@@ -65,10 +66,15 @@ Surface surfaceAt(Ray ray, RayFactors factors, float t, uint primitive) {
     // at the worst; of 6.4 million rays along tilted floors one came too near with half of this.
     surface.margin = 4.0 * kRounding * (dot(abs(surface.Ng), abs(surface.point)) + abs(uintBitsToFloat(plane.w)));
     surface.Ns = surface.Ng;
+    Row row2 = ROW(primitives, row + kPairV2), row3 = ROW(primitives, row + kPairV3);
     if (SMOOTH_NORMALS && row2.w != kRefNone) {
-      Edges edges = triangleEdges(ray, factors, xyz(row0), xyz(row1), xyz(row2));
-      vec3 weights = edges.weights / edges.det;
-      uint normals = kVertexNormalsRows * row2.w;
+      vec3 a = sheared(ray, factors, xyz(isSecond != 0u ? row3 : row0));
+      vec3 b = sheared(ray, factors, xyz(isSecond != 0u ? row2 : row1));
+      vec3 c = sheared(ray, factors, xyz(isSecond != 0u ? row1 : row2));
+      precise vec3 areas = vec3(edgeArea(b, c), edgeArea(c, a), edgeArea(a, b));
+      precise float det = areas.x + areas.y + areas.z;
+      vec3 weights = areas / det;
+      uint normals = kVertexNormalsRows * (row2.w + isSecond);
       vec3 Ns = weights.x * xyz(ROW(vertexNormals, normals)) + weights.y * xyz(ROW(vertexNormals, normals + 1u)) +
                 weights.z * xyz(ROW(vertexNormals, normals + 2u));
       float squared = dot(Ns, Ns);

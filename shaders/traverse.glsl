@@ -19,6 +19,13 @@ Walk walkFromRoot() { return Walk(root, 0u, kNoHit, kRefNone, 0u, uvec3(0u)); }
 // A ray through the middle of a cube walks the list of its cell.
 Walk walkAlongList(uvec3 list, float tMax) { return Walk(kRefNext, 0u, tMax, kRefNone, 0u, list); }
 
+// Whether a leaf holds pairs, not spheres.
+bool holdsPairs(uint leaf) { return TRIANGLES && (!SPHERES || (leaf & kRefTriangle) != 0u); }
+
+uint unitsOf(bool isPair) { return isPair ? kPairUnits : kSphereUnits; }
+
+uint trianglesMet;  // anew in the last pair, for the counters
+
 bool isOver(Walk walk) { return walk.next == kRefNone; }
 
 // The walk's next reference from its stack, if there is one.
@@ -69,7 +76,9 @@ void visitNode(Ray ray, RayFactors factors, inout Walk walk) {
 
   // The references of both children, see Node in layout.h.
   uint below = walk.next + 1u, tags = origin.w >> 24u;
-  uint secondLeaf = kRefLeaf | ((tags << 26u) & 0x70000000u) | ((planes.w & kRefPlaceMask) + 1u + (tags >> 5u));
+  uint firstCount = ((planes.w >> kRefCountShift) & kRefCountMask) + 1u;
+  uint secondPlace = (planes.w & kRefPlaceMask) + firstCount * unitsOf(holdsPairs(planes.w));
+  uint secondLeaf = kRefLeaf | ((tags << 26u) & 0x70000000u) | secondPlace;
   uint child0 = (tags & 1u) != 0u ? planes.w : below;
   uint child1 = (tags & 1u) == 0u ? planes.w : (tags & 2u) == 0u ? below : secondLeaf;
 
@@ -83,46 +92,69 @@ void visitNode(Ray ray, RayFactors factors, inout Walk walk) {
   if (neither) popNode(walk);
 }
 
-// The distance to a primitive, and its id.
-float meetPrimitive(Ray ray, RayFactors factors, uint primitive, bool isTriangle, out uint id) {
-  uint row = kUnitRows * (primitive & kRefPlaceMask);
+// What a ray meets of a shape.
+struct Meeting {
+  float t;         // kNoHit: nothing
+  uint primitive;  // the sphere, or that triangle of the pair
+  uint id;
+  bool both;  // it passes both triangles, and this is the first: the second is still to be met
+};
+
+Meeting meetSphere(Ray ray, RayFactors factors, uint primitive) {
+  uint row = kUnitRows * primitive;
+  Row center = ROW(primitives, row + kSphereCenter), tags = ROW(primitives, row + kSphereTags);
   bool leavesIt = (ray.leaving & ~kLeavesInward) == primitive;
-  Row row0 = ROW(primitives, row), row1 = ROW(primitives, row + 1u);
-  float t = kNoHit;
-  if (SPHERES && !isTriangle) {
-    t = hitSphere(ray, factors, xyz(row0), uintBitsToFloat(row0.w), leavesIt);
-    id = row1.x;
-  }
-  if (TRIANGLES && isTriangle) {
-    Row row2 = ROW(primitives, row + kTriangleV2), plane = ROW(primitives, row + kTriangleNormal);
-    Edges edges = triangleEdges(ray, factors, xyz(row0), xyz(row1), xyz(row2));
-    float distance = planeDistance(ray, edges, xyz(plane), uintBitsToFloat(plane.w));
-    if (edges.inside && !leavesIt && distance > 0.0) t = distance;
-    id = row0.w;
-  }
-  return t;
+  return Meeting(hitSphere(ray, factors, xyz(center), uintBitsToFloat(center.w), leavesIt), primitive, tags.x, false);
 }
 
-// Tests a primitive; true if it takes the walk's hit. Among equal distances the lowest id wins, so that the picture does
-// not depend on the tree.
-bool visitPrimitive(Ray ray, RayFactors factors, uint primitive, bool isTriangle, bool anyHit, inout Walk walk) {
-  uint id = 0u;
-  float t = meetPrimitive(ray, factors, primitive, isTriangle, id);
-  bool taken = t < walk.tMax;
-  if (!anyHit) taken = taken || (t == walk.tMax && walk.hit != kRefNone && id < walk.hitId);
-  if (taken) walk.hit = primitive;
+// `pair` has kRefSecond where the first triangle has been met already.
+Meeting meetPair(Ray ray, RayFactors factors, uint pair) {
+  uint row = kUnitRows * (pair & kRefPlaceMask);
+  Row v0 = ROW(primitives, row + kPairV0), v1 = ROW(primitives, row + kPairV1), v2 = ROW(primitives, row + kPairV2),
+      v3 = ROW(primitives, row + kPairV3);
+  vec3 a = sheared(ray, factors, xyz(v0)), b = sheared(ray, factors, xyz(v1)), c = sheared(ray, factors, xyz(v2)),
+       d = sheared(ray, factors, xyz(v3));
+  float across = edgeArea(b, c);  // of the edge that both share
+  uint first = pair & ~kRefSecond, second = pair | kRefSecond, leaving = ray.leaving & ~kLeavesInward;
+  bool inFirst = isInside(across, edgeArea(c, a), edgeArea(a, b)) && leaving != first && pair == first;
+  bool inSecond = isInside(-across, edgeArea(b, d), edgeArea(d, c)) && leaving != second;
+
+  // One plane at a time: that both are met is rare. Where none is, no other memory is touched.
+  bool isSecond = inSecond && !inFirst;
+  uint planeRow = row + kPairNormals + uint(isSecond);
+  Row plane = ROW(primitives, inFirst || inSecond ? planeRow : row);
+  float apex = isSecond ? d.z : a.z;
+  float t = planeDistance(ray, xyz(plane), uintBitsToFloat(plane.w), lesser(lesser(b.z, c.z), apex),
+                          greater(greater(b.z, c.z), apex));
+  if (!(inFirst || inSecond) || !(t > 0.0)) t = kNoHit;
+  if (COUNTERS) trianglesMet = pair != first ? 0u : v3.w != kRefNone ? 2u : 1u;
+  return Meeting(t, isSecond ? second : first, isSecond ? v3.w : v0.w, inFirst && inSecond);
+}
+
+// Tests a shape; true if it takes the walk's hit. Among equal distances the lowest id wins, so that the picture does not
+// depend on the tree.
+bool visitShape(Ray ray, RayFactors factors, uint shape, bool isPair, bool anyHit, uint kind, inout Walk walk,
+                out bool both) {
+  Meeting met = Meeting(kNoHit, kRefNone, 0u, false);
+  if (SPHERES && !isPair) met = meetSphere(ray, factors, shape);
+  if (TRIANGLES && isPair) met = meetPair(ray, factors, shape);
+  bool taken = met.t < walk.tMax;
+  if (!anyHit) taken = taken || (met.t == walk.tMax && walk.hit != kRefNone && met.id < walk.hitId);
+  if (taken) walk.hit = met.primitive;
   if (taken && !anyHit) {
-    walk.tMax = t;
-    walk.hitId = id;
+    walk.tMax = met.t;
+    walk.hitId = met.id;
   }
+  both = met.both;
+  if (COUNTERS) primitivesVisited[kind] += isPair ? trianglesMet : 1u;
   return taken;
 }
 
-// On to the leaf's next primitive, or away from the leaf.
-void passPrimitive(inout Walk walk) {
+// On to the leaf's next shape, or to whatever follows the leaf.
+void passShape(bool isPair, bool both, inout Walk walk) {
   bool last = ((walk.next >> kRefCountShift) & kRefCountMask) == 0u;
-  walk.next += ((walk.next & kRefTriangle) != 0u ? 2u : 1u) - (1u << kRefCountShift);
-  if (last) popNode(walk);
+  uint following = last ? kRefNext : (walk.next & ~kRefSecond) + unitsOf(isPair) - (1u << kRefCountShift);
+  walk.next = both ? walk.next | kRefSecond : following;
 }
 
 // The turns that a walk's loops make with no lane in them: lavapipe 22.3 runs the body of every loop at least once.
@@ -136,20 +168,8 @@ void walkTree(Ray ray, RayFactors factors, bool anyHit, uint kind, float reach, 
   if (walk.next == kRefNone || budget <= 0) return;
   do {
     budget -= 3;  // this turn, and those of the loops inside that no lane takes
-    if ((walk.next & kRefLeaf) != 0u && budget > 0) {
-      do {
-        --budget;
-        if (walk.next != kRefNext) {
-          bool isTriangle = TRIANGLES && (!SPHERES || (walk.next & kRefTriangle) != 0u);
-          uint primitive = walk.next & (kRefTriangle | kRefPlaceMask);
-          bool taken = visitPrimitive(ray, factors, primitive, isTriangle, anyHit, walk);
-          passPrimitive(walk);
-          if (anyHit && taken) walk.next = kRefNone;
-          if (COUNTERS) ++primitivesVisited[kind];
-        }
-        if (walk.next == kRefNext) takeEntry(walk, walk.tMax * reach);
-      } while ((walk.next & kRefLeaf) != 0u && walk.next != kRefNone && budget > 0);
-    }
+    if (walk.next == kRefNext) popNode(walk);
+    if (walk.next == kRefNext) takeEntry(walk, walk.tMax * reach);
     if ((walk.next & kRefLeaf) == 0u && budget > 0) {
       do {
         --budget;
@@ -157,33 +177,47 @@ void walkTree(Ray ray, RayFactors factors, bool anyHit, uint kind, float reach, 
         if (COUNTERS) ++nodesVisited[kind];
       } while ((walk.next & kRefLeaf) == 0u && budget > 0);
     }
+    if ((walk.next & kRefLeaf) != 0u && walk.next < kRefNext && budget > 0) {
+      do {
+        --budget;
+        bool both, arePairs = holdsPairs(walk.next);
+        bool taken = visitShape(ray, factors, walk.next & kRefPrimitive, arePairs, anyHit, kind, walk, both);
+        passShape(arePairs, both, walk);
+        if (anyHit && taken) walk.next = kRefNone;
+      } while (walk.next < kRefNext && budget > 0);
+    }
   } while (walk.next != kRefNone && budget > 0);
 }
 
-// Goes through the spheres or the triangles of a list, from its next entry to `end`.
-void walkPrimitives(Ray ray, RayFactors factors, bool areTriangles, uint end, bool anyHit, uint kind, float reach,
-                    inout Walk walk, inout int budget) {
-  if (walk.list.x >= end || walk.next == kRefNone || budget <= 0) return;
+// Goes through the spheres or the pairs of a list, from its next entry to `end`. Of the last pair the second triangle may
+// be left: walk.next names it.
+void walkShapes(Ray ray, RayFactors factors, bool arePairs, uint end, bool anyHit, uint kind, float reach,
+                inout Walk walk, inout int budget) {
+  if (walk.next == kRefNone || (walk.next == kRefNext && walk.list.x >= end) || budget <= 0) return;
   do {
     --budget;
     uvec2 entry = listEntry(walk.list.x);
-    bool within = uintBitsToFloat(entry.y) <= walk.tMax * reach;
-    walk.list.x = within ? walk.list.x + 1u : end;
+    bool again = arePairs && walk.next != kRefNext;
+    bool within = again || uintBitsToFloat(entry.y) <= walk.tMax * reach;
+    uint shape = again ? walk.next : entry.x & kRefPrimitive;
+    if (!again) walk.list.x = within ? walk.list.x + 1u : end;
+    walk.next = kRefNext;
     if (within) {
-      uint primitive = entry.x & (kRefTriangle | kRefPlaceMask);
-      bool taken = visitPrimitive(ray, factors, primitive, areTriangles, anyHit, walk);
+      bool both;
+      bool taken = visitShape(ray, factors, shape, arePairs, anyHit, kind, walk, both);
+      if (arePairs && both) walk.next = shape | kRefSecond;
       if (anyHit && taken) walk.next = kRefNone;
-      if (COUNTERS) ++primitivesVisited[kind];
     }
-  } while (walk.list.x < end && walk.next != kRefNone && budget > 0);
+  } while (walk.next != kRefNone && (walk.next != kRefNext || walk.list.x < end) && budget > 0);
 }
 
-// Goes along a list that holds no nodes, its spheres before its triangles.
+// Goes along a list that holds no nodes, its spheres before its pairs.
 void walkList(Ray ray, RayFactors factors, bool anyHit, uint kind, float reach, inout Walk walk, inout int budget) {
-  if (SPHERES) walkPrimitives(ray, factors, false, walk.list.z, anyHit, kind, reach, walk, budget);
+  if (SPHERES && walk.list.x < walk.list.z)
+    walkShapes(ray, factors, false, walk.list.z, anyHit, kind, reach, walk, budget);
   if (TRIANGLES && walk.list.x >= walk.list.z)
-    walkPrimitives(ray, factors, true, walk.list.y, anyHit, kind, reach, walk, budget);
-  if (walk.list.x >= walk.list.y) walk.next = kRefNone;
+    walkShapes(ray, factors, true, walk.list.y, anyHit, kind, reach, walk, budget);
+  if (walk.list.x >= walk.list.y && walk.next == kRefNext) walk.next = kRefNone;
 }
 
 // Walks on until the walk is over or the budget of iterations is spent. An `anyHit` walk ends at its first hit. `reach`

@@ -144,14 +144,14 @@ class TurnerSide {
   Fetch fetch() const { return renderer_.fetch(); }
 
   struct Built {
-    double seconds = 0;  // of buildBvh and packScene
+    double seconds = 0;  // of shapesOf, buildBvh and packScene
     size_t bytes = 0;    // on the device
   };
   // Throws InputError when the device cannot take the scene.
-  Built build(const Scene& local, const RenderSettings& settings) {
-    const std::vector<Box> boxes = primitiveBoxes(local);
+  Built build(Scene local, const RenderSettings& settings) {
     const Clock::time_point start = Clock::now();
-    PackedScene packed = packScene(local, buildBvh(boxes, local.spheres.size()), boxes, settings,
+    const Shapes shapes = shapesOf(std::move(local));
+    PackedScene packed = packScene(shapes, buildBvh(shapes.boxes, shapes.firstPair()), settings,
                                    everything_ ? Cubes::mixedLists : Cubes::lists);
     if (everything_) packed.features = {packed.features.lights, true, true, true, true, true, true, true, true, true};
     const Built built{secondsSince(start), packed.bytes()};

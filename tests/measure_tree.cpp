@@ -79,10 +79,9 @@ double traceSeconds(const PackedScene& scene, const RenderSettings& settings, Im
 void measure(const std::string& name, const Scene& scene) {
   RenderSettings settings = test::settingsOf(scene, 512, 512);
   settings.crop = {160, 224, 224, 288};
-  const Scene local = roundScene(scene);
-  const std::vector<Box> boxes = primitiveBoxes(local);
-  const PackedScene tree = packScene(local, buildBvh(boxes, local.spheres.size()), boxes, settings, Cubes::wholeTree);
-  const PackedScene list = packScene(local, listOf(boxes, local.spheres.size()), boxes, settings, Cubes::wholeTree);
+  const Shapes shapes = shapesOf(roundScene(scene));
+  const PackedScene tree = packScene(shapes, buildBvh(shapes.boxes, shapes.firstPair()), settings, Cubes::wholeTree);
+  const PackedScene list = packScene(shapes, listOf(shapes.boxes, shapes.firstPair()), settings, Cubes::wholeTree);
   Image treeImage, listImage;
   const double treeSeconds = traceSeconds(tree, settings, treeImage);
   const double rays = double(test::renderer().countVisits(test::kernel(), settings).rays.total());

@@ -48,9 +48,8 @@ inline const Spirv& kernel() {
 }
 
 inline PackedScene packed(const Scene& scene, const RenderSettings& settings, Cubes cubes = Cubes::lists) {
-  const Scene local = roundScene(scene);
-  const std::vector<Box> boxes = primitiveBoxes(local);
-  return packScene(local, buildBvh(boxes, local.spheres.size()), boxes, settings, cubes);
+  const Shapes shapes = shapesOf(roundScene(scene));
+  return packScene(shapes, buildBvh(shapes.boxes, shapes.firstPair()), settings, cubes);
 }
 
 inline Image renderShader(const Scene& scene, const RenderSettings& settings, const Dispatching& dispatching = {}) {

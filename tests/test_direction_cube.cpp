@@ -34,27 +34,23 @@ dvec3 toFloat(const dvec3& v) {
   return {double(float(v.x)), double(float(v.y)), double(float(v.z))};
 }
 
-// What the lists are made over: spheres, then triangles.
-struct Shapes {
-  Scene scene;
-  std::vector<Box> boxes;
+// What the lists are made over.
+struct Listed {
+  Shapes shapes;
   Bvh bvh;
   std::vector<uint> references;  // the place is the index in Bvh::order: that is enough here
 
-  explicit Shapes(Scene from) : scene(std::move(from)) {
+  explicit Listed(Scene scene) {
     for (Sphere& sphere : scene.spheres) sphere.center = toFloat(sphere.center), sphere.radius = float(sphere.radius);
     for (Triangle& triangle : scene.triangles)
       for (dvec3& vertex : triangle.vertices) vertex = toFloat(vertex);
-    boxes = primitiveBoxes(scene);
-    bvh = buildBvh(boxes, scene.spheres.size());
+    shapes = shapesOf(std::move(scene));
+    bvh = buildBvh(shapes.boxes, shapes.firstPair());
     for (uint i = 0; i < bvh.order.size(); ++i)
-      references.push_back((bvh.order[i] >= scene.spheres.size() ? gpu::kRefTriangle : 0) | i);
+      references.push_back((bvh.order[i] >= shapes.firstPair() ? gpu::kRefTriangle : 0) | i);
   }
-  CubeTree tree() const {
-    return {bvh, boxes, references, [this](uint32_t box) {
-              return box < scene.spheres.size() ? nullptr : &scene.triangles[box - scene.spheres.size()].vertices;
-            }};
-  }
+  CubeTree tree() const { return {shapes, bvh, references}; }
+  const std::vector<Triangle>& triangles() const { return shapes.scene.triangles; }
 };
 
 CubePoint pointAt(const dvec3& position, size_t rays, int walk = 0) {
@@ -127,7 +123,15 @@ double distanceTo(const Triangle& triangle, const dvec3& origin, const dvec3& d)
   return u >= 0 && v >= 0 && u + v <= 1 && t > 0 ? t : kMiss;
 }
 
-// The primitives below a node, with the least distance that the list tells for them.
+// To the nearest of a shape, by its box.
+double distanceTo(const Shapes& shapes, uint box, const dvec3& origin, const dvec3& d) {
+  if (box < shapes.firstPair()) return distanceTo(shapes.scene.spheres[box], origin, d);
+  const TrianglePair& pair = shapes.pairs[box - shapes.firstPair()];
+  const double t = distanceTo(shapes.scene.triangles[pair.first], origin, d);
+  return pair.isAlone() ? t : std::min(t, distanceTo(shapes.scene.triangles[pair.second], origin, d));
+}
+
+// The shapes below a node, with the least distance that the list tells for them.
 void collect(const Bvh& bvh, const BvhChild& child, float distance, std::vector<float>& found) {
   if (child.count == 0)
     for (const BvhChild& below : bvh.nodes[child.first].children) collect(bvh, below, distance, found);
@@ -136,30 +140,28 @@ void collect(const Bvh& bvh, const BvhChild& child, float distance, std::vector<
 }
 
 // Whatever a ray from the point hits must be in its list, and not be told to be farther than it is.
-void expectHitsInList(const Shapes& shapes, const DirectionCubes& cubes, size_t index, const CubePoint& point,
+void expectHitsInList(const Listed& listed, const DirectionCubes& cubes, size_t index, const CubePoint& point,
                       const glm::vec3& d) {
   for (const int ulps : {-2, 0, 2}) {
     const List list = listOf(cubes, index, d, ulps);
-    std::vector<float> found(shapes.bvh.order.size(), INFINITY);
+    std::vector<float> found(listed.bvh.order.size(), INFINITY);
     for (uint i = list.first; i < list.end; ++i) {
       const Entry entry = entryAt(cubes, i);
-      const bool isPrimitive = entry.reference & gpu::kRefLeaf;
-      const uint at = isPrimitive ? entry.reference & gpu::kRefPlaceMask : entry.reference;
-      collect(shapes.bvh, {{}, at, isPrimitive ? 1u : 0u}, entry.distance, found);
+      const bool isShape = entry.reference & gpu::kRefLeaf;
+      const uint at = isShape ? entry.reference & gpu::kRefPlaceMask : entry.reference;
+      collect(listed.bvh, {{}, at, isShape ? 1u : 0u}, entry.distance, found);
     }
     for (size_t i = 0; i < found.size(); ++i) {
-      const uint box = shapes.bvh.order[i];
-      const size_t spheres = shapes.scene.spheres.size();
-      const double t = box < spheres ? distanceTo(shapes.scene.spheres[box], point.position, d)
-                                     : distanceTo(shapes.scene.triangles[box - spheres], point.position, d);
+      const uint box = listed.bvh.order[i];
+      const double t = distanceTo(listed.shapes, box, point.position, d);
       if (t == kMiss) continue;
-      ASSERT_NE(found[i], INFINITY) << "primitive " << box << " is missing at t = " << t;
-      ASSERT_LE(found[i], t * std::abs(d[list.axis]) * (1 + 0x1p-18)) << "primitive " << box << " comes too late";
+      ASSERT_NE(found[i], INFINITY) << "shape " << box << " is missing at t = " << t;
+      ASSERT_LE(found[i], t * std::abs(d[list.axis]) * (1 + 0x1p-18)) << "shape " << box << " comes too late";
     }
   }
 }
 
-// Small and large, near and far, slivers among them.
+// Small and large, near and far, slivers among them; flat and folded pairs, some of whose corners do not stick out.
 Scene mixture(RandomNumbers& random, int count) {
   Scene scene;
   const double largest = random.size(0.05, 2);
@@ -172,6 +174,7 @@ Scene mixture(RandomNumbers& random, int count) {
       const dvec3 edge = random.point(size);
       const dvec3 other = i % 3 == 1 ? random.point(size) : random.between(0, 1) * edge + random.point(1e-5 * size);
       scene.triangles.push_back({{at, at + edge, at + other}, 0});
+      if (i % 2) scene.triangles.push_back({{at + edge, at, at + (i % 4 == 1 ? edge - other : random.point(size))}, 0});
     }
   }
   return scene;
@@ -181,24 +184,24 @@ TEST(DirectionCube, HoldsWhateverRaysHit) {
   RandomNumbers random{std::mt19937_64(7)};
   for (int trial = 0; trial < 60; ++trial) {
     SCOPED_TRACE("trial " + std::to_string(trial));
-    const Shapes shapes(mixture(random, 3 + trial * 4));
-    const Triangle& triangle = shapes.scene.triangles[random.index(shapes.scene.triangles.size())];
+    const Listed listed(mixture(random, 3 + trial * 4));
+    const Triangle& triangle = listed.triangles()[random.index(listed.triangles().size())];
     std::vector<CubePoint> points;
     const size_t rays = size_t(1) << (8 + trial % 5 * 4);
     for (const dvec3& position :
          {random.point(1), random.point(4), dvec3(1e3, -400, 20), dvec3(-1e6, 3e5, 2e5), dvec3(0), triangle.vertices[0],
           (triangle.vertices[0] + triangle.vertices[1] + triangle.vertices[2]) / 3.0})
       points.push_back(pointAt(toFloat(position), rays));
-    const DirectionCubes cubes = buildDirectionCubes(points, shapes.tree());
+    const DirectionCubes cubes = buildDirectionCubes(points, listed.tree());
     for (size_t p = 0; p < points.size(); ++p) {
       for (int ray = 0; ray < 40; ++ray) {
         // Half of the rays go to a corner or an edge of something, where a cell ends most likely.
-        const Triangle& goal = shapes.scene.triangles[random.index(shapes.scene.triangles.size())];
+        const Triangle& goal = listed.triangles()[random.index(listed.triangles().size())];
         const auto& [a, b, c] = goal.vertices;
         const double s = ray % 4 == 0 ? 0 : random.between(0, 1);
         const dvec3 target = ray % 2 ? random.point(1) : s * a + (1 - s) * (ray % 3 ? b : c);
         const glm::vec3 d = target - points[p].position;
-        if (d != glm::vec3(0)) expectHitsInList(shapes, cubes, p, points[p], d);
+        if (d != glm::vec3(0)) expectHitsInList(listed, cubes, p, points[p], d);
         if (HasFatalFailure()) return;
       }
     }
@@ -208,9 +211,9 @@ TEST(DirectionCube, HoldsWhateverRaysHit) {
 // Where cells are divided most, and where rays graze their borders and the diagonals of the cube.
 TEST(DirectionCube, HoldsWhateverRaysAlongBordersOfCellsHit) {
   RandomNumbers random{std::mt19937_64(8)};
-  const Shapes shapes(mixture(random, 120));
+  const Listed listed(mixture(random, 120));
   const CubePoint point = pointAt(toFloat(random.point(0.5)), size_t(1) << 24);
-  const DirectionCubes cubes = buildDirectionCubes(std::span(&point, 1), shapes.tree());
+  const DirectionCubes cubes = buildDirectionCubes(std::span(&point, 1), listed.tree());
   for (int ray = 0; ray < 4000; ++ray) {
     const auto coordinate = [&] {
       const float u = ray % 5 == 0 ? 1 : float(std::round(random.between(-4096, 4096)) / 4096);
@@ -222,7 +225,7 @@ TEST(DirectionCube, HoldsWhateverRaysAlongBordersOfCellsHit) {
     const glm::vec3 d = ray % 3 == 0   ? glm::vec3(sign, u, v)
                         : ray % 3 == 1 ? glm::vec3(v, sign, u)
                                        : glm::vec3(u, v, sign);
-    expectHitsInList(shapes, cubes, 0, point, d);
+    expectHitsInList(listed, cubes, 0, point, d);
     if (HasFatalFailure()) return;
   }
 }
@@ -238,13 +241,39 @@ TEST(DirectionCube, HoldsWhateverRaysFromAfarHit) {
       scene.triangles.push_back({{corner(x, y), corner(x + 1, y), corner(x + 1, y + 1)}, 0});
       scene.triangles.push_back({{corner(x, y), corner(x + 1, y + 1), corner(x, y + 1)}, 0});
     }
-  const Shapes shapes(std::move(scene));
+  const Listed listed(std::move(scene));
   const CubePoint point = pointAt({600, -500, 1000}, 1 << 22);
-  const DirectionCubes cubes = buildDirectionCubes(std::span(&point, 1), shapes.tree());
+  const DirectionCubes cubes = buildDirectionCubes(std::span(&point, 1), listed.tree());
   for (int ray = 0; ray < 4000; ++ray) {
     const dvec3 seam = corner(int(random.index(kTiles)), int(random.index(kTiles)));
     const dvec3 beside(random.between(-1, 1) * (ray % 2 ? 3e-5 : 0.01), random.between(-1, 1) * 3e-5, 0);
-    expectHitsInList(shapes, cubes, 0, point, glm::vec3(seam + beside - point.position));
+    expectHitsInList(listed, cubes, 0, point, glm::vec3(seam + beside - point.position));
+    if (HasFatalFailure()) return;
+  }
+}
+
+// More shapes than lists open to the last: they keep nodes, and replace those that cover a cell.
+TEST(DirectionCube, HoldsWhateverRaysHitOfALargeScene) {
+  RandomNumbers random{std::mt19937_64(14)};
+  Scene scene;
+  constexpr int kTiles = 420;
+  const auto corner = [&](int x, int y) {
+    return dvec3(x * 2.0 / kTiles - 1, y * 2.0 / kTiles - 1, 0.02 * std::sin(0.3 * x) * std::sin(0.2 * y));
+  };
+  for (int y = 0; y < kTiles; ++y)
+    for (int x = 0; x < kTiles; ++x) {
+      scene.triangles.push_back({{corner(x, y), corner(x + 1, y), corner(x + 1, y + 1)}, 0});
+      scene.triangles.push_back({{corner(x, y), corner(x + 1, y + 1), corner(x, y + 1)}, 0});
+    }
+  const Listed listed(std::move(scene));
+  ASSERT_EQ(listed.shapes.pairs.size(), size_t(kTiles * kTiles));
+  const std::vector<CubePoint> points = {pointAt({0.5, -0.5, 2}, 1 << 16), pointAt({0.2, 0.3, 0.1}, 1 << 20)};
+  const DirectionCubes cubes = buildDirectionCubes(points, listed.tree());
+  EXPECT_TRUE(cubes.meetsNodes[0] && cubes.meetsNodes[1]);
+  for (int ray = 0; ray < 60; ++ray) {
+    const dvec3 seam = corner(int(random.index(kTiles)), int(random.index(kTiles)));
+    for (size_t p = 0; p < points.size(); ++p)
+      expectHitsInList(listed, cubes, p, points[p], glm::vec3(seam + random.point(1e-4) - points[p].position));
     if (HasFatalFailure()) return;
   }
 }
@@ -269,9 +298,9 @@ void forAllLists(const DirectionCubes& cubes, size_t points, const Visit& visit)
 TEST(DirectionCube, ListsAreSortedSpheresFirst) {
   RandomNumbers random{std::mt19937_64(9)};
   for (const int count : {30, 3000}) {
-    const Shapes shapes(mixture(random, count));
+    const Listed listed(mixture(random, count));
     const CubePoint point = pointAt({3, 0, 1}, 1 << 16);
-    const DirectionCubes cubes = buildDirectionCubes(std::span(&point, 1), shapes.tree());
+    const DirectionCubes cubes = buildDirectionCubes(std::span(&point, 1), listed.tree());
     size_t lists = 0, nodes = 0;
     forAllLists(cubes, 1, [&](uint first, uint end, uint triangles) {
       ++lists;
@@ -298,19 +327,19 @@ TEST(DirectionCube, ListsAreSortedSpheresFirst) {
 
 TEST(DirectionCube, IsTheSameTwice) {
   RandomNumbers random{std::mt19937_64(10)};
-  const Shapes shapes(mixture(random, 500));
+  const Listed listed(mixture(random, 500));
   const std::vector<CubePoint> points = {pointAt({0, 0, 3}, 1 << 16), pointAt({1, 2, 0}, 1 << 16, 1)};
-  const DirectionCubes a = buildDirectionCubes(points, shapes.tree()), b = buildDirectionCubes(points, shapes.tree());
+  const DirectionCubes a = buildDirectionCubes(points, listed.tree()), b = buildDirectionCubes(points, listed.tree());
   ASSERT_EQ(a.rows.size(), b.rows.size());
   EXPECT_EQ(0, std::memcmp(a.rows.data(), b.rows.data(), a.rows.size() * sizeof(Row)));
   EXPECT_EQ(a.meetsNodes, b.meetsNodes);
 }
 
 TEST(DirectionCube, OfAnEmptySceneHasEmptyLists) {
-  const Shapes shapes((Scene()));
+  const Listed listed((Scene()));
   const std::vector<CubePoint> points = {pointAt({0, 0, 0}, 100), pointAt({1, 2, 3}, 100, 1)};
   for (const DirectionCubes& cubes :
-       {buildDirectionCubes(points, shapes.tree()), wholeTreeCubes(points, shapes.tree())}) {
+       {buildDirectionCubes(points, listed.tree()), wholeTreeCubes(points, listed.tree())}) {
     for (const glm::vec3& d : {glm::vec3(1, 0.5f, 0.2f), glm::vec3(-0.1f, -1, 0), glm::vec3(0, 0, 1e9f)}) {
       for (size_t p = 0; p < 2; ++p) {
         const List list = listOf(cubes, p, d);
@@ -324,10 +353,10 @@ TEST(DirectionCube, OfAnEmptySceneHasEmptyLists) {
 // A light more costs less and less.
 TEST(DirectionCube, ManyLightsStayBounded) {
   RandomNumbers random{std::mt19937_64(11)};
-  const Shapes shapes(mixture(random, 150));
+  const Listed listed(mixture(random, 150));
   std::vector<CubePoint> points;
   for (int i = 0; i < 300; ++i) points.push_back(pointAt(toFloat(random.point(1)), 1 << 20));
-  const DirectionCubes cubes = buildDirectionCubes(points, shapes.tree());
+  const DirectionCubes cubes = buildDirectionCubes(points, listed.tree());
   EXPECT_LT(cubes.rows.size() * sizeof(Row), size_t(1) << 29);
 }
 
@@ -339,9 +368,9 @@ TEST(DirectionCube, PointAmongLargeTrianglesStaysBounded) {
     const dvec3 at = random.point(1);
     scene.triangles.push_back({{at, at + random.point(1), at + random.point(1)}, 0});
   }
-  const Shapes shapes(std::move(scene));
+  const Listed listed(std::move(scene));
   CubePoint point = pointAt({0, 0, 0}, 1 << 16);
-  const DirectionCubes cubes = buildDirectionCubes(std::span(&point, 1), shapes.tree());
+  const DirectionCubes cubes = buildDirectionCubes(std::span(&point, 1), listed.tree());
   EXPECT_LT(cubes.rows.size() * sizeof(Row), size_t(1) << 28);
 }
 

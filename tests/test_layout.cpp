@@ -90,10 +90,11 @@ TEST(Layout, RowsAreWhereTheKernelFetchesThem) {
   EXPECT_EQ(sizeof(gpu::Node), gpu::kNodeRows * row);
   EXPECT_EQ(offsetof(gpu::Sphere, center), gpu::kSphereCenter * row);
   EXPECT_EQ(offsetof(gpu::Sphere, tags), gpu::kSphereTags * row);
-  EXPECT_EQ(offsetof(gpu::Triangle, v0), gpu::kTriangleV0 * row);
-  EXPECT_EQ(offsetof(gpu::Triangle, v1), gpu::kTriangleV1 * row);
-  EXPECT_EQ(offsetof(gpu::Triangle, v2), gpu::kTriangleV2 * row);
-  EXPECT_EQ(offsetof(gpu::Triangle, normal), gpu::kTriangleNormal * row);
+  EXPECT_EQ(offsetof(gpu::TrianglePair, v0), gpu::kPairV0 * row);
+  EXPECT_EQ(offsetof(gpu::TrianglePair, v1), gpu::kPairV1 * row);
+  EXPECT_EQ(offsetof(gpu::TrianglePair, v2), gpu::kPairV2 * row);
+  EXPECT_EQ(offsetof(gpu::TrianglePair, v3), gpu::kPairV3 * row);
+  EXPECT_EQ(offsetof(gpu::TrianglePair, normals), gpu::kPairNormals * row);
   EXPECT_EQ(sizeof(gpu::VertexNormals), gpu::kVertexNormalsRows * row);
   EXPECT_EQ(offsetof(gpu::Material, diffuse), gpu::kMaterialDiffuse * row);
   EXPECT_EQ(offsetof(gpu::Material, specular), gpu::kMaterialSpecular * row);

@@ -28,6 +28,15 @@ Scene mixedScene() {
     scene.triangles.push_back(
         {{corner, corner + glm::dvec3(size(random), 0, 0), corner + glm::dvec3(0, size(random), 0.1)},
          uint32_t(i % 2)});
+    if (i % 3 != 0) continue;
+    // A neighbour across the edge from the second vertex to the third; every other pair is smooth.
+    const auto [a, b, c] = scene.triangles.back().vertices;
+    scene.triangles.push_back({{c, b, b + c - a}, uint32_t(i % 2)});
+    if (i % 2 == 0) continue;
+    for (size_t k = scene.triangles.size() - 2; k < scene.triangles.size(); ++k) {
+      scene.triangles[k].normals = uint32_t(scene.normals.size());
+      scene.normals.push_back({glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0), glm::dvec3(0, 0, 1)});
+    }
   }
   return scene;
 }
@@ -84,11 +93,11 @@ PackedScene pack(const Scene& scene) {
 }
 
 TEST(Pack, RefusesATreeDeeperThanTheStack) {
-  const Scene scene = mixedScene(), local = roundScene(scene);
-  const std::vector<Box> boxes = primitiveBoxes(local);
-  Bvh bvh = buildBvh(boxes, local.spheres.size());
+  const Scene scene = mixedScene();
+  const Shapes shapes = shapesOf(roundScene(scene));
+  Bvh bvh = buildBvh(shapes.boxes, shapes.firstPair());
   bvh.depth = int(gpu::kMaxTreeDepth) + 1;
-  EXPECT_THROW(packScene(local, bvh, boxes, test::settingsOf(scene, 64, 64)), RunError);
+  EXPECT_THROW(packScene(shapes, bvh, test::settingsOf(scene, 64, 64)), RunError);
 }
 
 // Walks the packed tree as the kernel does.
@@ -96,6 +105,7 @@ struct PackedCensus {
   const PackedScene& packed;
   const Scene& local;
   std::vector<int> seen;
+  size_t pairs = 0;
 
   static uint32_t bits(float value) { return std::bit_cast<uint32_t>(value); }
 
@@ -116,10 +126,37 @@ struct PackedCensus {
       const auto plane = [&](int byte) { return origin + scale * (planes >> (8 * byte) & 255); };
       lo[0][k] = plane(0), hi[0][k] = plane(1), lo[1][k] = plane(2), hi[1][k] = plane(3);
     }
+    const gpu::uint firstUnits = ((reference >> gpu::kRefCountShift & gpu::kRefCountMask) + 1) *
+                                 (reference & gpu::kRefTriangle ? gpu::kPairUnits : gpu::kSphereUnits);
     const gpu::uint secondLeaf =
-        gpu::kRefLeaf | (tags << 26 & 0x70000000u) | ((reference & gpu::kRefPlaceMask) + 1 + (tags >> 5));
+        gpu::kRefLeaf | (tags << 26 & 0x70000000u) | ((reference & gpu::kRefPlaceMask) + firstUnits);
     visit(tags & 1 ? reference : below, lo[0], hi[0]);
     visit(!(tags & 1) ? reference : !(tags & 2) ? below : secondLeaf, lo[1], hi[1]);
+  }
+
+  // The triangle is the scene's, its corners in cyclic order, each with its normal.
+  template <class ExpectInside>
+  void expectTriangle(gpu::uint id, const std::array<gpu::Row, 3>& rows, const gpu::Row& plane, gpu::uint material,
+                      gpu::uint normals, const ExpectInside& expectInside) {
+    ++seen.at(id);
+    const Triangle& triangle = local.triangles.at(id - local.spheres.size());
+    EXPECT_EQ(material, triangle.material);
+    EXPECT_EQ(normals == gpu::kRefNone, triangle.normals == kNoNormals);
+    const auto vector = [](const gpu::Row& r) { return glm::dvec3(r.x, r.y, r.z); };
+    size_t turn = 0;
+    while (turn < 3 && vector(rows[0]) != triangle.vertices[turn]) ++turn;
+    ASSERT_LT(turn, 3u);
+    for (size_t i = 0; i < 3; ++i) {
+      const glm::dvec3 vertex = vector(rows[i]);
+      EXPECT_EQ(vertex, triangle.vertices[(turn + i) % 3]);
+      expectInside(vertex);
+      EXPECT_NEAR(glm::dot(vector(plane), vertex), double(std::bit_cast<float>(plane.w)), 1e-6);
+      if (normals == gpu::kRefNone) continue;
+      const gpu::VertexNormals& n = packed.vertexNormals.at(normals);
+      EXPECT_EQ(vector(i == 0 ? n.n0 : i == 1 ? n.n1 : n.n2), local.normals[triangle.normals][(turn + i) % 3]);
+    }
+    const auto& [a, b, c] = triangle.vertices;
+    EXPECT_GT(glm::dot(vector(plane), glm::cross(b - a, c - a)), 0);
   }
 
   void visitLeaf(gpu::uint reference, const glm::dvec3& lo, const glm::dvec3& hi) {
@@ -133,12 +170,16 @@ struct PackedCensus {
     for (gpu::uint left = (reference >> gpu::kRefCountShift & gpu::kRefCountMask) + 1; left > 0; --left) {
       const gpu::Row& first = packed.primitives.at(row);
       if (reference & gpu::kRefTriangle) {
-        ++seen.at(first.w);
-        const Triangle& triangle = local.triangles.at(first.w - local.spheres.size());
-        for (const glm::dvec3& vertex : triangle.vertices) expectInside(vertex);
-        EXPECT_EQ(packed.primitives.at(row + 1).w, triangle.material);
-        EXPECT_EQ(packed.primitives.at(row + 2).w, gpu::kRefNone);
-        row += 2 * gpu::kUnitRows;
+        const auto& at = packed.primitives;
+        ++pairs;
+        expectTriangle(first.w, {first, at.at(row + 1), at.at(row + 2)}, at.at(row + 4), at.at(row + 1).w,
+                       at.at(row + 2).w, expectInside);
+        if (at.at(row + 3).w != gpu::kRefNone) {
+          const gpu::uint normals = at.at(row + 2).w == gpu::kRefNone ? gpu::kRefNone : at.at(row + 2).w + 1;
+          expectTriangle(at.at(row + 3).w, {at.at(row + 3), at.at(row + 2), at.at(row + 1)}, at.at(row + 5),
+                         at.at(row + 1).w, normals, expectInside);
+        }
+        row += gpu::kPairUnits * gpu::kUnitRows;
       } else {
         const uint32_t id = bits(packed.primitives.at(row + 1).x);
         ++seen.at(id);
@@ -156,8 +197,9 @@ TEST(Pack, EveryPrimitiveIsReachedOnceAndInItsBoxes) {
   const Scene scene = mixedScene();
   const Scene local = roundScene(scene);
   const PackedScene packed = pack(scene);
-  PackedCensus census{packed, local, std::vector<int>(600, 0)};
+  PackedCensus census{packed, local, std::vector<int>(700, 0)};
   census.visit(packed.view.root, glm::dvec3(-INFINITY), glm::dvec3(INFINITY));
+  EXPECT_EQ(census.pairs, 300u);  // 100 of two triangles, 200 of one
   for (const int times : census.seen) EXPECT_EQ(times, 1);
 }
 
@@ -165,11 +207,13 @@ TEST(Pack, AsksForNoMoreThanTheSceneNeeds) {
   Scene scene = mixedScene();
   Features features = pack(scene).features;
   EXPECT_TRUE(features.spheres && features.triangles && features.reflection && features.refraction);
-  EXPECT_FALSE(features.highlights || features.smoothNormals || features.falloff);
+  EXPECT_TRUE(features.smoothNormals);
+  EXPECT_FALSE(features.highlights || features.falloff);
   scene.spheres.clear();
-  for (Triangle& triangle : scene.triangles) triangle.material = 0;
+  for (Triangle& triangle : scene.triangles) triangle.material = 0, triangle.normals = kNoNormals;
   features = pack(scene).features;
-  EXPECT_FALSE(features.spheres || features.reflection || features.refraction) << "an unused material counts";
+  EXPECT_FALSE(features.spheres || features.smoothNormals || features.reflection || features.refraction)
+      << "an unused material counts";
 }
 
 TEST(Pack, SumsOfTwoFloatsKeepTheCamera) {

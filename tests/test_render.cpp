@@ -87,9 +87,8 @@ TEST(Render, DoesNotDependOnTheTree) {
   const Scene scene = ours("spot");
   const RenderSettings settings = settingsOf(scene, 80, 60);
   const Image expected = renderShader(scene, settings);
-  const Scene local = roundScene(scene);
-  const std::vector<Box> boxes = primitiveBoxes(local);
-  test::renderer().upload(packScene(local, buildMedianBvh(boxes, local.spheres.size()), boxes, settings));
+  const Shapes shapes = shapesOf(roundScene(scene));
+  test::renderer().upload(packScene(shapes, buildMedianBvh(shapes.boxes, shapes.firstPair()), settings));
   EXPECT_TRUE(sameBits(test::renderer().render(test::kernel(), settings).image, expected));
 }
 
@@ -146,6 +145,37 @@ TEST(Render, LowestIdWinsAmongRotatedCopies) {
   }
   const Image image = renderShader(scene, settingsOf(scene, 160, 160));
   for (size_t i = 1; i < image.rgb.size(); i += 3) EXPECT_EQ(image.rgb[i], 0.0f) << "a copy is seen";
+}
+
+// Folded pairs, of which a ray may pass both triangles, against the same triangles alone: the same bits. Out of each
+// other's reach in the scene, triangles find no partners.
+TEST(Render, PairsGiveThePictureOfTheirTriangles) {
+  Scene paired;
+  paired.camera = {.eye = {0, 0.5, 6}, .target = {0, 0, 0}, .fov = 40};
+  paired.lights = {{.position = {3, 5, 4}}, {.position = {-4, 2, 1}, .color = {0.5, 0.4, 0.3}}};
+  paired.background = {0.1, 0.2, 0.3};
+  paired.materials = {closed_form::matte({0.8, 0.6, 0.4}), closed_form::mirror(0.5), closed_form::glass(0.1, 0.8, 1.3)};
+  std::mt19937 random(21);
+  std::uniform_real_distribution<double> place(-2, 2), near(-0.7, 0.7);
+  const auto point = [&](auto& range) { return glm::dvec3(range(random), range(random), range(random)); };
+  std::vector<Triangle> seconds;
+  for (uint32_t i = 0; i < 300; ++i) {
+    const glm::dvec3 a = point(place), b = a + point(near), c = a + point(near), d = a + point(near);
+    paired.triangles.push_back({{a, b, c}, i % 3});
+    seconds.push_back({{c, b, d}, i % 3});
+  }
+  Scene alone = paired;
+  alone.triangles.insert(alone.triangles.end(), seconds.begin(), seconds.end());
+  for (size_t i = 0; i < 300; ++i)
+    paired.triangles.insert(paired.triangles.begin() + std::ptrdiff_t(2 * i + 1), seconds[i]);
+  ASSERT_LT(shapesOf(roundScene(paired)).pairs.size(), 400u);
+  ASSERT_EQ(shapesOf(roundScene(alone)).pairs.size(), 600u);
+  const RenderSettings settings = settingsOf(paired, 160, 120);
+  const Image expected = renderShader(alone, settings);
+  EXPECT_TRUE(sameBits(renderShader(paired, settings), expected));
+  EXPECT_TRUE(sameBits(renderShader(paired, settings, {.budget = 16}), expected)) << "interrupted at every step";
+  test::renderer().upload(test::packed(paired, settings, Cubes::wholeTree));
+  EXPECT_TRUE(sameBits(test::renderer().render(test::kernel(), settings).image, expected)) << "without lists";
 }
 
 // --- the reference's picture ----------------------------------------------------------------------------------------

@@ -144,10 +144,10 @@ Rendered renderWithShader(Scene scene, const RenderSettings& settings, const Ren
 
   Stopwatch watch;
   PackedScene packed = [&] {
-    const Scene local = roundScene(std::move(scene));
+    Scene local = roundScene(std::move(scene));
     checkReach(local);
-    const std::vector<Box> boxes = primitiveBoxes(local);
-    return packScene(local, buildBvh(boxes, local.spheres.size()), boxes, settings);
+    const Shapes shapes = shapesOf(std::move(local));
+    return packScene(shapes, buildBvh(shapes.boxes, shapes.firstPair()), settings);
   }();
   stats.treeNodes = packed.nodes.size();
   stats.treeDepth = packed.treeDepth;

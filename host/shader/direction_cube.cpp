@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 #include <iterator>
 
@@ -31,13 +33,13 @@ constexpr int kLeastLevels = 3;  // that a cell may always have
 constexpr float kCellRounding = 0x1p-19f;
 // Costs, in tests of a primitive by a ray: to visit a node and all that is likely to follow, and to make one entry.
 constexpr double kNodeCost = 4, kEntryCost = 2.5;
-// A list grows up to so many entries by opening its nodes to the last primitive. Of a small scene nearly all are
-// opened: a walk that meets no nodes is faster by more than a few long lists cost.
-constexpr size_t kMostTests = 48;
-constexpr size_t kSmallScene = 150'000;
-size_t mostOpened(size_t primitives) {
-  return primitives <= kSmallScene ? 256 : 16;
-}
+// A list grows up to so many entries by opening its nodes. Of a small scene nearly all are opened to the last shape: a
+// walk that meets no nodes is faster by more than a few long lists cost. Where lists are longer than kMostTests, cells
+// are divided further for that.
+constexpr size_t kSmallScene = 150'000, kMostOpenedAll = 256, kMostTests = 48;
+// Of a large scene those nodes are opened that cover so much of their cell: nearly all rays would visit them.
+constexpr size_t kMostOpened = 48;
+constexpr float kCovers = 0.8f;
 
 struct Rect {
   float uLo, uHi, vLo, vHi;
@@ -51,25 +53,22 @@ struct Rect {
   }
 };
 
-// Something that may be in a cell's list: a node, or one primitive.
-struct Candidate {
-  Rect rect;       // of its box on the face
-  float distance;  // least along the face's axis
-  uint32_t index;  // of the node, or in Bvh::order
-  bool isPrimitive;
-  // Of a triangle before the point, its three edges: where x u + y v + z < 0 on one of them, all is outside.
-  std::array<glm::vec3, 3> edges{glm::vec3(0), glm::vec3(0), glm::vec3(0)};
+// Where x u + y v + z < 0 on one of these, all of a pair of triangles before the point is outside.
+using OuterEdges = std::array<glm::vec3, 4>;
 
-  bool overlaps(const Rect& r) const {
-    if (!rect.overlaps(r)) return false;
-    bool outside = false;
-    for (const glm::vec3& e : edges)
-      outside |= e.x * (e.x > 0 ? r.uHi : r.uLo) + e.y * (e.y > 0 ? r.vHi : r.vLo) + e.z < 0;
-    return !outside;
-  }
+// Something that may be in a cell's list: a node, or one shape.
+struct Candidate {
+  static constexpr uint32_t kNode = UINT32_MAX;
+  Rect rect;               // of its box on the face
+  float distance;          // least along the face's axis
+  uint32_t index;          // of the node, or in Bvh::order
+  uint32_t edges = kNode;  // of a shape: its outer edges in the block's store
+
+  bool isNode() const { return edges == kNode; }
 };
 
-using Corners = std::array<glm::dvec3, 3>;
+// Of a pair: the first triangle has 0, 1, 2, the second 3, 1, 2; of one alone 3 is 0.
+using Corners = std::array<glm::dvec3, 4>;
 
 struct Interval {
   double lo, hi;
@@ -99,38 +98,38 @@ class Face {
     return true;
   }
 
-  // Adds the edges of a triangle whose padded box was projected.
-  void projectEdges(const Corners& corners, const Box& box, Candidate& out) const {
-    glm::dvec2 p[3];
-    double nearest = INFINITY;
-    for (int i = 0; i < 3; ++i) {
-      const glm::dvec3 d = corners[size_t(i)] - point_;
+  // The edges of a pair whose padded box was projected.
+  void projectEdges(const Corners& corners, const Box& box, OuterEdges& edges) const {
+    std::array<glm::dvec2, 4> p;
+    double nearest = INFINITY, farthestAside = 0;
+    glm::dvec3 lo(INFINITY), hi(-INFINITY);
+    for (size_t i = 0; i < 4; ++i) {
+      const glm::dvec3 d = corners[i] - point_;
       const double c = negative_ ? -d[axis_] : d[axis_];
       if (!(c > 0)) return;
       nearest = std::min(nearest, c);
       p[i] = glm::dvec2(d[(axis_ + 1) % 3], d[(axis_ + 2) % 3]) / d[axis_];
+      farthestAside = std::max({farthestAside, std::abs(p[i].x), std::abs(p[i].y)});
+      lo = glm::min(lo, corners[i]);
+      hi = glm::max(hi, corners[i]);
     }
     // The corners may be off by as much as the box is padded, the largest pad on any axis; seen from the point in u and
     // v:
-    const glm::dvec3 size = glm::dvec3(box.hi) - glm::dvec3(box.lo);
-    double pad = 0;
-    for (int k = 0; k < 3; ++k) {
-      const double hi = std::max({corners[0][k], corners[1][k], corners[2][k]});
-      const double lo = std::min({corners[0][k], corners[1][k], corners[2][k]});
-      pad = std::max(pad, size[k] - (hi - lo));
-    }
-    const double margin = 2 * pad / nearest *
-                          (1 + std::max({std::abs(p[0].x), std::abs(p[0].y), std::abs(p[1].x), std::abs(p[1].y),
-                                         std::abs(p[2].x), std::abs(p[2].y)}));
-    const double area = (p[1].x - p[0].x) * (p[2].y - p[0].y) - (p[1].y - p[0].y) * (p[2].x - p[0].x);
-    if (!(std::abs(area) > 1e-14) || !(margin < 1)) return;
-    for (int i = 0; i < 3; ++i) {
-      const glm::dvec2 &a = p[i], &b = p[(i + 1) % 3];
-      glm::dvec2 n(a.y - b.y, b.x - a.x);
-      n *= (area > 0 ? 1 : -1) / (std::abs(n.x) + std::abs(n.y));
+    const glm::dvec3 pad = (glm::dvec3(box.hi) - glm::dvec3(box.lo)) - (hi - lo);
+    const double margin = 2 * std::max({pad.x, pad.y, pad.z}) / nearest * (1 + farthestAside);
+    if (!(margin < 1)) return;
+    // Around the pair: each edge with the corner of its own triangle, which tells the inner side.
+    constexpr size_t kEdges[4][3] = {{0, 1, 2}, {1, 3, 2}, {3, 2, 1}, {2, 0, 1}};
+    for (size_t i = 0; i < 4; ++i) {
+      const glm::dvec2 a = p[kEdges[i][0]], along = p[kEdges[i][1]] - a, inward = p[kEdges[i][2]] - a;
+      const double area = along.x * inward.y - along.y * inward.x, length = std::abs(along.x) + std::abs(along.y);
+      if (!(std::abs(area) > 1e-14)) continue;
+      const glm::dvec2 n = glm::dvec2(-along.y, along.x) * ((area > 0 ? 1 : -1) / length);
+      double least = INFINITY;
+      for (const glm::dvec2& corner : p) least = std::min(least, glm::dot(n, corner));
       // A float's rounding of all three terms is within the last addend.
-      const double z = -(n.x * a.x + n.y * a.y) + margin + 0x1p-20 * (2 + std::abs(a.x) + std::abs(a.y));
-      out.edges[size_t(i)] = {float(n.x), float(n.y), float(z)};
+      const double z = -least + margin + 0x1p-20 * (2 + 2 * farthestAside);
+      edges[i] = {float(n.x), float(n.y), float(z)};
     }
   }
 
@@ -178,7 +177,7 @@ class BlockBuilder {
     cellsLeft_ = quads_.size();
     const Rect around = rect.dilated();
     addChild(tree_.bvh.root, around);
-    toCoarse(rect, {0, pool_.size()}, 0, 0, side, raysInCell);
+    toCoarse(rect, {0, pool_.size(), 0}, 0, 0, side, raysInCell);
     for (size_t cell = 0; cell < quads_.size(); ++cell) layOut(quads_[cell], block_.levels[cell]);
     return std::move(block_);
   }
@@ -186,6 +185,7 @@ class BlockBuilder {
  private:
   struct Range {
     size_t first, end;  // in the pool
+    size_t firstEdges;  // in the store: where those begin that only the range needs
   };
   // A list for a square of fine cells, in units of the finest there can be.
   struct Quad {
@@ -193,14 +193,30 @@ class BlockBuilder {
     List list;
   };
 
-  void add(const Box& box, uint32_t index, bool isPrimitive, const Rect& rect) {
+  bool overlaps(const Candidate& candidate, const Rect& r) const {
+    if (!candidate.rect.overlaps(r)) return false;
+    if (candidate.isNode()) return true;
+    bool outside = false;
+    for (const glm::vec3& e : edges_[candidate.edges])
+      outside |= e.x * (e.x > 0 ? r.uHi : r.uLo) + e.y * (e.y > 0 ? r.vHi : r.vLo) + e.z < 0;
+    return !outside;
+  }
+
+  void add(const Box& box, uint32_t index, bool isShape, const Rect& rect) {
     Candidate candidate;
     if (!face_.project(box, candidate) || !candidate.rect.overlaps(rect)) return;
     candidate.index = index;
-    candidate.isPrimitive = isPrimitive;
-    if (isPrimitive) {
-      if (const Corners* corners = tree_.corners(tree_.bvh.order[index])) face_.projectEdges(*corners, box, candidate);
-      if (!candidate.overlaps(rect)) return;
+    if (isShape) {
+      candidate.edges = uint32_t(edges_.size());
+      edges_.emplace_back();
+      const uint32_t shape = tree_.bvh.order[index];
+      if (shape >= tree_.shapes.firstPair()) {
+        face_.projectEdges(cornersOf(shape), box, edges_.back());
+        if (!overlaps(candidate, rect)) {
+          edges_.pop_back();
+          return;
+        }
+      }
     }
     pool_.push_back(candidate);
   }
@@ -212,23 +228,27 @@ class BlockBuilder {
       return;
     }
     for (uint32_t i = child.first; i < child.first + child.count; ++i)
-      add(tree_.boxes[tree_.bvh.order[i]], i, true, rect);
+      add(tree_.shapes.boxes[tree_.bvh.order[i]], i, true, rect);
   }
 
-  // Replaces nodes at the pool's end, from `first` on, that are larger than this by their children, the largest first,
-  // while they are not too many.
-  void open(size_t first, const Rect& rect, float width, float height, size_t most) {
+  Corners cornersOf(uint32_t shape) const {
+    const TrianglePair& pair = tree_.shapes.pairs[shape - tree_.shapes.firstPair()];
+    const std::vector<Triangle>& triangles = tree_.shapes.scene.triangles;
+    const auto& [a, b, c] = triangles[pair.first].vertices;
+    return {a, b, c, pair.isAlone() ? a : triangles[pair.second].vertices[0]};
+  }
+
+  // Replaces nodes at the pool's end, from `first` on, by their children where `excess` is positive, those where it is
+  // largest first, while they are not too many.
+  template <class Excess>
+  void open(size_t first, const Rect& rect, const Excess& excess) {
     // Those that may be opened are a heap before the others.
-    const auto sizeOf = [&](const Candidate& candidate) {
-      const Rect& r = candidate.rect;
-      return std::max(r.uHi - r.uLo - width, r.vHi - r.vLo - height);
-    };
-    const auto smaller = [&](const Candidate& a, const Candidate& b) { return sizeOf(a) < sizeOf(b); };
-    const auto opens = [&](const Candidate& candidate) { return !candidate.isPrimitive && sizeOf(candidate) > 0; };
+    const auto less = [&](const Candidate& a, const Candidate& b) { return excess(a) < excess(b); };
+    const auto opens = [&](const Candidate& candidate) { return candidate.isNode() && excess(candidate) > 0; };
     size_t heapEnd = size_t(std::partition(pool_.begin() + long(first), pool_.end(), opens) - pool_.begin());
-    std::make_heap(pool_.begin() + long(first), pool_.begin() + long(heapEnd), smaller);
-    while (heapEnd > first && pool_.size() - first < most) {
-      std::pop_heap(pool_.begin() + long(first), pool_.begin() + long(heapEnd), smaller);
+    std::make_heap(pool_.begin() + long(first), pool_.begin() + long(heapEnd), less);
+    while (heapEnd > first && pool_.size() - first < mostOpened_) {
+      std::pop_heap(pool_.begin() + long(first), pool_.begin() + long(heapEnd), less);
       --heapEnd;
       const uint32_t node = pool_[heapEnd].index;
       pool_[heapEnd] = pool_.back();
@@ -239,20 +259,54 @@ class BlockBuilder {
         for (size_t i = before; i < pool_.size(); ++i) {
           if (!opens(pool_[i])) continue;
           std::swap(pool_[i], pool_[heapEnd++]);
-          std::push_heap(pool_.begin() + long(first), pool_.begin() + long(heapEnd), smaller);
+          std::push_heap(pool_.begin() + long(first), pool_.begin() + long(heapEnd), less);
         }
       }
     }
   }
 
-  // What of a range overlaps a rectangle, copied to the pool's end and opened to its size.
-  Range filter(const Range& from, const Rect& rect) {
-    const Range result{pool_.size(), 0};
-    const Rect around = rect.dilated();
+  // Finds out which quarters of a cell its candidates overlap: a bit of quarters_ for each, by Rect::quarter.
+  void findQuarters(const Rect& rect, const Range& here) {
+    quarters_.resize(here.end);
+    const Rect lower = rect.quarter(0).dilated(), upper = rect.quarter(3).dilated();
+    for (size_t i = here.first; i < here.end; ++i) {
+      const Candidate& candidate = pool_[i];
+      const Rect& r = candidate.rect;
+      const auto overlap = [](float lo, float hi, float from, float to) { return unsigned(lo <= to && from <= hi); };
+      const unsigned inU =
+          overlap(r.uLo, r.uHi, lower.uLo, lower.uHi) * 5 | overlap(r.uLo, r.uHi, upper.uLo, upper.uHi) * 10;
+      const unsigned inV =
+          overlap(r.vLo, r.vHi, lower.vLo, lower.vHi) * 3 | overlap(r.vLo, r.vHi, upper.vLo, upper.vHi) * 12;
+      unsigned quarters = inU & inV;
+      if (quarters != 0 && !candidate.isNode()) {
+        for (const glm::vec3& e : edges_[candidate.edges]) {
+          const float u[2] = {e.x * (e.x > 0 ? lower.uHi : lower.uLo), e.x * (e.x > 0 ? upper.uHi : upper.uLo)};
+          const float v[2] = {e.y * (e.y > 0 ? lower.vHi : lower.vLo), e.y * (e.y > 0 ? upper.vHi : upper.vLo)};
+          for (unsigned k = 0; k < 4; ++k) quarters &= ~(unsigned(u[k & 1] + v[k >> 1] + e.z < 0) << k);
+        }
+      }
+      quarters_[i] = uint8_t(quarters);
+    }
+  }
+
+  // What of a range overlaps a quarter of its cell, copied to the pool's end and opened to the quarter's size.
+  Range filter(const Range& from, int quarter, const Rect& rect) {
+    Range result{pool_.size(), 0, edges_.size()};
     for (size_t i = from.first; i < from.end; ++i)
-      if (pool_[i].overlaps(around)) pool_.push_back(pool_[i]);
-    open(result.first, around, rect.uHi - rect.uLo, rect.vHi - rect.vLo, mostOpened_);
-    return {result.first, pool_.size()};
+      if (quarters_[i] >> quarter & 1) pool_.push_back(pool_[i]);
+    const float width = rect.uHi - rect.uLo, height = rect.vHi - rect.vLo;
+    open(result.first, rect.dilated(), [&](const Candidate& candidate) {
+      const Rect& r = candidate.rect;
+      return std::max(r.uHi - r.uLo - width, r.vHi - r.vLo - height);
+    });
+    result.end = pool_.size();
+    return result;
+  }
+
+  // Drops a range from the pool's end.
+  void drop(const Range& range) {
+    pool_.resize(range.first);
+    edges_.resize(range.firstEdges);
   }
 
   void toCoarse(const Rect& rect, const Range& here, int x, int y, int side, double rays) {
@@ -268,16 +322,18 @@ class BlockBuilder {
       fineCells_ += size_t(1) << (2 * block_.levels[cell]);
       return;
     }
+    findQuarters(rect, here);
     for (int i = 0; i < 4; ++i) {
       const Rect quarter = rect.quarter(i);
-      const Range part = filter(here, quarter);
+      const Range part = filter(here, i, quarter);
       toCoarse(quarter, part, x + (i & 1) * side / 2, y + (i >> 1) * side / 2, side / 2, rays);
-      pool_.resize(part.first);
+      drop(part);
     }
   }
 
   void toFine(const Rect& rect, const Range& here, int level, int x, int y, double rays, size_t cell) {
-    if (level == mostLevels_ || !worthDividing(rect, here, rays)) {
+    const bool divides = level < mostLevels_ && worthDividing(rect, here, rays);
+    if (!divides) {
       block_.levels[cell] = std::max(block_.levels[cell], uint8_t(level));
       const int size = 1 << (kMostLevels - level);
       quads_[cell].push_back({x * size, y * size, level, makeList(rect, here)});
@@ -285,50 +341,58 @@ class BlockBuilder {
     }
     for (int i = 0; i < 4; ++i) {
       const Rect quarter = rect.quarter(i);
-      const Range part = filter(here, quarter);
+      const Range part = filter(here, i, quarter);
       toFine(quarter, part, level + 1, 2 * x + (i & 1), 2 * y + (i >> 1), rays / 4, cell);
-      pool_.resize(part.first);
+      drop(part);
     }
   }
 
-  // Whether quarters would save the rays more than their lists cost.
-  bool worthDividing(const Rect& rect, const Range& here, double rays) const {
+  // Whether quarters would save the rays more than their lists cost. If so, quarters_ tells what is in them.
+  bool worthDividing(const Rect& rect, const Range& here, double rays) {
     // Cells so small that the kernel's rounding reaches the next one are no use.
     if (std::min(rect.uHi - rect.uLo, rect.vHi - rect.vLo) < 8 * kCellRounding) return false;
+    findQuarters(rect, here);
     double now = 0, then = 0;
     size_t entries = 0;
     bool hasNodes = false;
     for (size_t i = here.first; i < here.end; ++i) {
-      const double cost = pool_[i].isPrimitive ? 1 : kNodeCost;
+      const bool isNode = pool_[i].isNode();
+      const double cost = isNode ? kNodeCost : 1;
       now += cost;
-      hasNodes |= !pool_[i].isPrimitive;
-      int quarters = 0;
-      for (int k = 0; k < 4; ++k) quarters += pool_[i].overlaps(rect.quarter(k));
+      hasNodes |= isNode;
+      const int quarters = std::popcount(quarters_[i]);
       entries += size_t(quarters);
       // A node is opened when its cell gets smaller than itself, and what of it is in a quarter counts for less.
-      then += cost * quarters / (pool_[i].isPrimitive ? 4 : 8);
+      then += cost * quarters / (isNode ? 8 : 4);
     }
     if (block_.entries.size() + entries > mostEntries_) return false;
     // Lists that would keep nodes are divided as long as that helps at all, until one keeps them nevertheless.
-    if (hasNodes && !block_.meetsNodes && mostOpened_ > kMostTests && here.end - here.first > kMostTests &&
-        then < 0.8 * now)
+    if (hasNodes && !block_.meetsNodes && opensAll_ && here.end - here.first > kMostTests && then < 0.8 * now)
       return true;
     return rays * (now - then) > 4 * then * kEntryCost;
   }
 
   List makeList(const Rect& rect, const Range& here) {
-    const size_t first = pool_.size();
+    const size_t first = pool_.size(), firstEdges = edges_.size();
     for (size_t i = here.first; i < here.end; ++i) pool_.push_back(pool_[i]);
-    open(first, rect.dilated(), 0, 0, mostOpened_);
+    // A node that covers the cell is visited by every ray, and is better replaced by its children.
+    const float covers = opensAll_ ? 0 : kCovers * (rect.uHi - rect.uLo) * (rect.vHi - rect.vLo);
+    open(first, rect.dilated(), [&](const Candidate& candidate) {
+      const Rect& r = candidate.rect;
+      const float width = std::min(r.uHi, rect.uHi) - std::max(r.uLo, rect.uLo);
+      const float height = std::min(r.vHi, rect.vHi) - std::max(r.vLo, rect.vLo);
+      const float area = std::max(width, 0.0f) * std::max(height, 0.0f);
+      return opensAll_ ? area + 1e-30f : area - covers;
+    });
     List list{uint(block_.entries.size()), 0};
     for (size_t i = first; i < pool_.size(); ++i) {
       const Candidate& candidate = pool_[i];
-      block_.meetsNodes |= !candidate.isPrimitive;
+      block_.meetsNodes |= candidate.isNode();
       block_.entries.push_back(
-          {candidate.isPrimitive ? gpu::kRefLeaf | tree_.references[candidate.index] : candidate.index,
+          {candidate.isNode() ? candidate.index : gpu::kRefLeaf | tree_.references[candidate.index],
            candidate.distance});
     }
-    pool_.resize(first);
+    drop({first, 0, firstEdges});
     list.end = uint(block_.entries.size());
     std::sort(block_.entries.begin() + list.first, block_.entries.end(), [](const Entry& a, const Entry& b) {
       return a.distance != b.distance ? a.distance < b.distance : a.reference < b.reference;
@@ -352,13 +416,17 @@ class BlockBuilder {
   const CubeTree& tree_;
   const Face& face_;
   const BlockBounds bounds_;
-  const size_t mostOpened_ = mostOpened(tree_.bvh.order.size());
+  const bool opensAll_ = tree_.bvh.order.size() <= kSmallScene;
+  const size_t mostOpened_ = opensAll_ ? kMostOpenedAll : kMostOpened;
   int mostLevels_ = kMostLevels;
   size_t fineCells_ = 0;
   size_t cellsLeft_ = 0;    // coarse cells still to be filled
   size_t mostEntries_ = 0;  // of the block after the coarse cell in hand
   int side_ = 1;
-  std::vector<Candidate> pool_;  // a stack: each level of the division has its candidates on top
+  // Stacks: each level of the division has its own on top.
+  std::vector<Candidate> pool_;
+  std::vector<uint8_t> quarters_;  // of the candidates at the same places, see findQuarters
+  std::vector<OuterEdges> edges_;  // of shapes in the pool
   std::vector<std::vector<Quad>> quads_;
   Block block_;
 };

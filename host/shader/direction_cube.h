@@ -5,13 +5,13 @@
 #pragma once
 
 #include <array>
-#include <functional>
 #include <glm/vec3.hpp>
 #include <span>
 #include <vector>
 
 #include "layout.h"
 #include "shader/bvh.h"
+#include "shader/shapes.h"
 
 namespace turner {
 
@@ -35,12 +35,9 @@ struct DirectionCubes {
 
 // What the lists refer to.
 struct CubeTree {
-  const Bvh& bvh;
-  std::span<const Box> boxes;  // that the tree was built over, padded so that they hold whatever the kernel's
-                               // arithmetic hits
-  std::span<const gpu::uint> references;  // the kernel's, of single primitives, in the order of Bvh::order
-  // The corners of the triangle in a box, or nothing if it is none: a triangle is in fewer cells than its box.
-  std::function<const std::array<glm::dvec3, 3>*(uint32_t box)> corners;
+  const Shapes& shapes;
+  const Bvh& bvh;                         // over its boxes
+  std::span<const gpu::uint> references;  // the kernel's, of single shapes, in the order of Bvh::order
 };
 
 // Works on all cores; the result does not depend on their number.

@@ -35,18 +35,6 @@ Row rowRest(const glm::dvec3& v, uint w = 0) {
   return row(v - glm::dvec3(float(v.x), float(v.y), float(v.z)), w);
 }
 
-glm::vec3 roundedDown(const glm::dvec3& v) {
-  const auto down = [](double x) {
-    const float f = float(x);
-    return double(f) > x ? std::nextafterf(f, -INFINITY) : f;
-  };
-  return {down(v.x), down(v.y), down(v.z)};
-}
-
-glm::vec3 roundedUp(const glm::dvec3& v) {
-  return -roundedDown(-v);
-}
-
 struct Plane {
   glm::dvec3 normal;  // unit, on the counter-clockwise side
   double offset;      // N.x of its points
@@ -71,12 +59,29 @@ std::optional<Plane> planeOf(std::array<glm::dvec3, 3> v) {
   return Plane{sign * normal, sign * glm::dot(normal, v[0])};
 }
 
-gpu::Triangle packTriangle(const Triangle& triangle, uint id) {
-  const auto& [a, b, c] = triangle.vertices;
+// A triangle that rounding has made flat has no plane: it is seen edge-on by every ray and never hit.
+Row planeRow(const Triangle& triangle) {
   const std::optional<Plane> plane = planeOf(triangle.vertices);
-  // One that rounding has made flat has no plane: as a point it is never hit.
-  if (!plane) return {row(a, id), row(a, triangle.material), row(a, triangle.normals), {}};
-  return {row(a, id), row(b, triangle.material), row(c, triangle.normals), row(plane->normal, plane->offset)};
+  return plane ? row(plane->normal, plane->offset) : Row{};
+}
+
+// `normals`: where its vertex normals stand in the packed scene.
+gpu::TrianglePair packPair(const Shapes& shapes, const TrianglePair& pair, uint normals) {
+  const std::vector<Triangle>& triangles = shapes.scene.triangles;
+  const uint firstId = uint(shapes.firstPair());
+  const Triangle& first = triangles[pair.first];
+  const auto& [a, b, c] = first.vertices;
+  gpu::TrianglePair packed{row(a, firstId + pair.first),
+                           row(b, first.material),
+                           row(c, first.normals == kNoNormals ? gpu::kRefNone : normals),
+                           row(b, gpu::kRefNone),
+                           {planeRow(first), {}}};
+  if (!pair.isAlone()) {
+    const Triangle& second = triangles[pair.second];
+    packed.v3 = row(second.vertices[0], firstId + pair.second);
+    packed.normals[1] = planeRow(second);
+  }
+  return packed;
 }
 
 // Trees are built within the builder's default limits; the kernel's numbers have room for no more.
@@ -119,8 +124,7 @@ gpu::Node packNode(const Bvh::Node& node, std::span<const uint> references) {
   }
   if (second.count > 0) {
     const uint place = references[second.first];
-    const uint behind = (place & gpu::kRefPlaceMask) - (reference & gpu::kRefPlaceMask);
-    tags = 3 | (second.count - 1) << 2 | (place & gpu::kRefTriangle ? 1u << 4 : 0u) | (behind - 1) << 5;
+    tags = 3 | (second.count - 1) << 2 | (place & gpu::kRefTriangle ? 1u << 4 : 0u);
   }
   return {
       {float(lo.x), float(lo.y), float(lo.z), exponents | tags << 24},
@@ -193,47 +197,10 @@ size_t PackedScene::bytes() const {
          vertexNormals.size() * sizeof(gpu::VertexNormals);
 }
 
-std::vector<Box> primitiveBoxes(const Scene& local) {
-  struct Bounds {
-    glm::dvec3 lo, hi;
-  };
-  const size_t spheres = local.spheres.size(), count = spheres + local.triangles.size();
-  const auto bounds = [&](size_t i) -> Bounds {
-    if (i < spheres) {
-      const Sphere& sphere = local.spheres[i];
-      return {sphere.center - std::abs(sphere.radius), sphere.center + std::abs(sphere.radius)};
-    }
-    const auto& [a, b, c] = local.triangles[i - spheres].vertices;
-    return {glm::min(a, glm::min(b, c)), glm::max(a, glm::max(b, c))};
-  };
-
-  Bounds scene{glm::dvec3(INFINITY), glm::dvec3(-INFINITY)};
-  for (size_t i = 0; i < count; ++i) {
-    const auto [lo, hi] = bounds(i);
-    scene = {glm::min(scene.lo, lo), glm::max(scene.hi, hi)};
-  }
-  const glm::dvec3 size = scene.hi - scene.lo;
-  const double extent = count == 0 ? 0 : std::max({size.x, size.y, size.z});
-
-  // A primitive test moves vertices by up to a rounding of their distance to the ray's origin, which is up to the
-  // scene's extent; the test of a node's planes (origin + byte * scale, all in units of the ray) moves them by up to
-  // five. Eight roundings of each cover both, and the ray that the list of a light is made for instead of the rounded
-  // one.
-  std::vector<Box> boxes;
-  makeRoom(boxes, count);
-  boxes.resize(count);
-  forAll(count, [&](size_t i) {
-    const auto [lo, hi] = bounds(i);
-    const glm::dvec3 pad = 0x1p-21 * (glm::max(glm::abs(lo), glm::abs(hi)) + extent);
-    boxes[i] = {roundedDown(lo - pad), roundedUp(hi + pad)};
-  });
-  return boxes;
-}
-
-PackedScene packScene(const Scene& local, const Bvh& bvh, std::span<const Box> boxes, const RenderSettings& settings,
-                      Cubes cubes) {
+PackedScene packScene(const Shapes& shapes, const Bvh& bvh, const RenderSettings& settings, Cubes cubes) {
+  const Scene& local = shapes.scene;
   const size_t sphereCount = local.spheres.size();
-  if (sphereCount + 2 * local.triangles.size() > gpu::kMaxUnits)
+  if (gpu::kSphereUnits * sphereCount + gpu::kPairUnits * shapes.pairs.size() > gpu::kMaxUnits)
     throw InputError("the scene has more spheres and triangles than the kernel can number: " +
                      std::to_string(sphereCount + local.triangles.size()));
   if (bvh.depth > int(gpu::kMaxTreeDepth))
@@ -247,32 +214,47 @@ PackedScene packScene(const Scene& local, const Bvh& bvh, std::span<const Box> b
                  .height = settings.height,
                  .crop = settings.crop};
   packed.treeDepth = bvh.depth;
-  packed.primitiveCount = bvh.order.size();
+  packed.primitiveCount = sphereCount + local.triangles.size();
 
-  // Kind and place of each primitive, in the order of the leaves.
-  std::vector<uint> references;
+  // Kind and place of each shape, and the place of its vertex normals, in the order of the leaves.
+  std::vector<uint> references, normals;
   makeRoom(references, bvh.order.size());
-  uint place = 0;
-  for (const uint id : bvh.order) {
-    const bool isTriangle = id >= sphereCount;
-    references.push_back((isTriangle ? gpu::kRefTriangle : 0) | place);
-    place += isTriangle ? 2 : 1;
+  makeRoom(normals, bvh.order.size());
+  uint place = 0, normalsPlace = 0;
+  for (const uint shape : bvh.order) {
+    const bool isPair = shape >= sphereCount;
+    references.push_back((isPair ? gpu::kRefTriangle : 0) | place);
+    normals.push_back(normalsPlace);
+    place += isPair ? gpu::kPairUnits : gpu::kSphereUnits;
+    if (!isPair) continue;
+    const TrianglePair& pair = shapes.pairs[shape - sphereCount];
+    if (local.triangles[pair.first].normals != kNoNormals) normalsPlace += pair.isAlone() ? 1 : 2;
   }
-  // One unit more: the kernel may look for the rest of a triangle behind a last sphere.
-  makeRoom(packed.primitives, gpu::kUnitRows * (place + 1));
-  packed.primitives.resize(gpu::kUnitRows * (place + 1));
+  // The kernel may look for all of a pair behind a last sphere.
+  makeRoom(packed.primitives, gpu::kUnitRows * (place + gpu::kPairUnits));
+  packed.primitives.resize(gpu::kUnitRows * (place + gpu::kPairUnits));
+  makeRoom(packed.vertexNormals, normalsPlace);
+  packed.vertexNormals.resize(normalsPlace);
   forAll(bvh.order.size(), [&](size_t i) {
-    const uint id = bvh.order[i];
+    const uint shape = bvh.order[i];
     Row* const rows = &packed.primitives[gpu::kUnitRows * (references[i] & gpu::kRefPlaceMask)];
-    if (id < sphereCount) {
-      const Sphere& sphere = local.spheres[id];
+    if (shape < sphereCount) {
+      const Sphere& sphere = local.spheres[shape];
       const gpu::Sphere packedSphere{row(sphere.center, sphere.radius),
-                                     {std::bit_cast<float>(id), std::bit_cast<float>(sphere.material), 0, 0}};
+                                     {std::bit_cast<float>(shape), std::bit_cast<float>(sphere.material), 0, 0}};
       std::memcpy(rows, &packedSphere, sizeof packedSphere);
-    } else {
-      const gpu::Triangle packedTriangle = packTriangle(local.triangles[id - sphereCount], id);
-      std::memcpy(rows, &packedTriangle, sizeof packedTriangle);
+      return;
     }
+    const TrianglePair& pair = shapes.pairs[shape - sphereCount];
+    const gpu::TrianglePair packedPair = packPair(shapes, pair, normals[i]);
+    std::memcpy(rows, &packedPair, sizeof packedPair);
+    if (local.triangles[pair.first].normals == kNoNormals) return;
+    const auto putNormals = [&](size_t to, uint triangle) {
+      const auto& [a, b, c] = local.normals[local.triangles[triangle].normals];
+      packed.vertexNormals[to] = {row(a), row(b), row(c)};
+    };
+    putNormals(normals[i], pair.first);
+    if (!pair.isAlone()) putNormals(normals[i] + 1, pair.second);
   });
 
   makeRoom(packed.nodes, bvh.nodes.size());
@@ -280,7 +262,6 @@ PackedScene packScene(const Scene& local, const Bvh& bvh, std::span<const Box> b
   forAll(bvh.nodes.size(), [&](size_t i) { packed.nodes[i] = packNode(bvh.nodes[i], references); });
   if (!bvh.order.empty()) packed.view.root = bvh.root.count > 0 ? leafReference(bvh.root, references) : bvh.root.first;
 
-  for (const auto& [a, b, c] : local.normals) packed.vertexNormals.push_back({row(a), row(b), row(c)});
   for (const Material& material : local.materials)
     packed.materials.push_back({row(material.diffuse, material.reflect), row(material.specular, material.transmit),
                                 row({material.shininess, material.ior, material.localWeight})});
@@ -298,9 +279,7 @@ PackedScene packScene(const Scene& local, const Bvh& bvh, std::span<const Box> b
   for (const Light& light : local.lights)
     points.push_back(
         {.position = light.position, .rays = eyeRays, .kernelWalk = 1, .walkMeetsNodes = cubes == Cubes::mixedLists});
-  const CubeTree tree{bvh, boxes, references, [&](uint32_t id) {
-                        return id < sphereCount ? nullptr : &local.triangles[id - sphereCount].vertices;
-                      }};
+  const CubeTree tree{shapes, bvh, references};
   DirectionCubes built = cubes == Cubes::wholeTree ? wholeTreeCubes(points, tree) : buildDirectionCubes(points, tree);
   packed.cubes = std::move(built.rows);
   packed.features.nearestNodes = built.meetsNodes[0];

@@ -9,6 +9,7 @@
 #include "shader/bvh.h"
 #include "shader/direction_cube.h"
 #include "shader/round_scene.h"
+#include "shader/shapes.h"
 
 namespace turner {
 
@@ -44,19 +45,14 @@ struct PackedScene {
   size_t bytes() const;  // of geometry, tree and cubes on the device
 };
 
-// The boxes that the tree is built over: spheres, then triangles, of a scene from roundScene. Padded outward, so that
-// a ray which hits a primitive by the kernel's arithmetic enters its box by the kernel's arithmetic.
-std::vector<Box> primitiveBoxes(const Scene& local);
-
 // How rays through the eye and the lights begin: along lists that are made for them, or at the root as all others do.
 // Mixed lists are for a kernel that can visit nodes in every walk, whether the scene needs it or not.
 enum class Cubes { lists, mixedLists, wholeTree };
 
-// `local` comes from roundScene, `bvh` from its primitiveBoxes. The settings tell how many rays will come through the
+// `bvh` is built over the geometry's boxes. The settings tell how many rays will come through the
 // eye, and where; they do not change the picture. Throws InputError if there are more primitives than a reference can
 // name; RunError if the tree is deeper than the kernel's stack.
-PackedScene packScene(const Scene& local, const Bvh& bvh, std::span<const Box> boxes, const RenderSettings& settings,
-                      Cubes cubes = Cubes::lists);
+PackedScene packScene(const Shapes& shapes, const Bvh& bvh, const RenderSettings& settings, Cubes cubes = Cubes::lists);
 
 // What the kernel needs of the view and the settings.
 gpu::Frame packFrame(const View& view, const RenderSettings& settings, uint32_t deviceThreads);
