@@ -17,7 +17,7 @@ uvec4 hash4(uvec4 v) {
 
 // Where in its pixel a sample lies, in units of 2^-24 pixel: cell (i, j) of the grid, at its centre or jittered. The
 // integers make it the same position in every renderer. n <= 256 keeps i * 2^24 + u inside 32 bits.
-uvec2 samplePosition(uvec2 pixel, uint sampleIndex) {
+uvec2 samplePosition(const uvec2 pixel, const uint sampleIndex) {
   const uint n = SAMPLES;
   uvec2 cell = uvec2(sampleIndex % n, sampleIndex / n);
   uvec2 offset = uvec2(1u << 23u);
@@ -26,8 +26,8 @@ uvec2 samplePosition(uvec2 pixel, uint sampleIndex) {
 }
 
 // One component of centre + x * right + y * down, each factor a sum of two floats, as a sum of two floats.
-float planeComponent(float centreHi, float centreLo, vec2 x, float rightHi, float rightLo, vec2 y, float downHi,
-                     float downLo, out float rest) {
+float planeComponent(const float centreHi, const float centreLo, const vec2 x, const float rightHi, const float rightLo, const vec2 y, const float downHi,
+                     const float downLo, out float rest) {
   float xRest, yRest, sumRest, restA, restB;
   float xProduct = twoProduct(x.x, rightHi, xRest);
   float yProduct = twoProduct(y.x, downHi, yRest);
@@ -41,7 +41,7 @@ float planeComponent(float centreHi, float centreLo, vec2 x, float rightHi, floa
 }
 
 // The unit direction through a sample, each component with the error of about one rounding.
-vec3 eyeDirection(uvec2 pixel, uint sampleIndex) {
+vec3 eyeDirection(const uvec2 pixel, const uint sampleIndex) {
   uvec2 fraction = samplePosition(pixel, sampleIndex);
   uvec2 size = uvec2(frame.centreLo.w, frame.rightHi.w);
   // Pixels from the centre of the picture: the whole part is a multiple of 1/2, so that it and the fraction are exact.

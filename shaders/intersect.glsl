@@ -20,9 +20,9 @@ struct RayFactors {
 };
 
 // The three components with axis z last, in cyclic order.
-vec3 turn(vec3 v, int axis) { return axis == 0 ? v.yzx : axis == 1 ? v.zxy : v; }
+vec3 turn(const vec3 v, const int axis) { return axis == 0 ? v.yzx : axis == 1 ? v.zxy : v; }
 
-RayFactors rayFactors(vec3 direction) {
+RayFactors rayFactors(const vec3 direction) {
   RayFactors factors;
   // A component near 0 becomes 1e-18, keeping its sign: 0 * inf would be NaN in a slab that holds the origin on its
   // plane, and Vulkan does not promise infinities. The boxes are padded, so that nothing is missed by it.
@@ -41,7 +41,7 @@ RayFactors rayFactors(vec3 direction) {
 
 // Distance to a sphere, or kNoHit. The discriminant comes from the distance of the centre to the ray, and the smaller
 // root from the product of the roots (Haines, Guenther, Akenine-Moeller, Ray Tracing Gems ch. 7).
-float hitSphere(Ray ray, RayFactors factors, vec3 center, float radius, bool leavesIt) {
+float hitSphere(const Ray ray, const RayFactors factors, const vec3 center, const float radius, const bool leavesIt) {
   vec3 f = ray.origin - center;
   float b = -dot(f, ray.direction), middle = b * factors.inverseSquared;
   vec3 perpendicular = f + middle * ray.direction;
@@ -61,7 +61,7 @@ float hitSphere(Ray ray, RayFactors factors, vec3 center, float radius, bool lea
 
 // A vertex as the ray sees it (Woop, Benthin, Wald, JCGT 2(1), 2013): x and y across the ray, z its distance, measured
 // along the ray's largest component.
-vec3 sheared(Ray ray, RayFactors factors, vec3 vertex) {
+vec3 sheared(const Ray ray, const RayFactors factors, const vec3 vertex) {
   precise vec3 v = turn(vertex - ray.origin, factors.axis);
   precise vec2 across = v.xy - factors.shear.xy * v.z;
   return vec3(across, v.z * factors.shear.z);
@@ -70,13 +70,13 @@ vec3 sheared(Ray ray, RayFactors factors, vec3 vertex) {
 // The signed area between the ray and an edge of sheared vertices. Watertight without a wider type: each product is
 // rounded by itself, so that the difference has the right sign or is 0, and the neighbour across the edge, who has the
 // ends in the other order, gets exactly the opposite.
-float edgeArea(vec3 from, vec3 to) {
+float edgeArea(const vec3 from, const vec3 to) {
   precise float area = to.x * from.y - to.y * from.x;
   return area;
 }
 
 // Whether the ray passes a triangle of these areas: on the same side of all edges, and not edge-on.
-bool isInside(float u, float v, float w) {
+bool isInside(const float u, const float v, const float w) {
   precise float det = u + v + w;
   bool outside = lesser(lesser(u, v), w) < 0.0 && greater(greater(u, v), w) > 0.0;
   return !outside && det != 0.0;
@@ -84,7 +84,7 @@ bool isInside(float u, float v, float w) {
 
 // Distance to a triangle's plane, which is better than the one that the edges give: on thin triangles by far, and beside
 // the eye of a huge one. Kept between the vertices, because the plane of a triangle seen nearly edge-on tells nothing.
-float planeDistance(Ray ray, vec3 normal, float offset, float tNear, float tFar) {
+float planeDistance(const Ray ray, const vec3 normal, const float offset, const float tNear, const float tFar) {
   precise float slope = dot(normal, ray.direction);
   precise float t = (offset - dot(normal, ray.origin)) / slope;
   if (slope == 0.0) t = tNear;

@@ -3,11 +3,11 @@
 
 // The lesser and the greater of two numbers, neither of them NaN: min() and max() take care of NaN, which costs lavapipe
 // three instructions instead of one.
-float lesser(float a, float b) { return a < b ? a : b; }
-float greater(float a, float b) { return a > b ? a : b; }
+float lesser(const float a, const float b) { return a < b ? a : b; }
+float greater(const float a, const float b) { return a > b ? a : b; }
 
 // a + b = sum + rest, exactly (Knuth, The Art of Computer Programming 2, 4.2.2).
-float twoSum(float a, float b, out float rest) {
+float twoSum(const float a, const float b, out float rest) {
   precise float sum = a + b;
   precise float bRounded = sum - a;
   precise float aRounded = sum - bRounded;
@@ -18,7 +18,7 @@ float twoSum(float a, float b, out float rest) {
 
 // a * b = product + rest, exactly (Dekker 1971, split by Veltkamp's constant 2^12 + 1). Not by fma(), which Vulkan lets a
 // driver round twice.
-float twoProduct(float a, float b, out float rest) {
+float twoProduct(const float a, const float b, out float rest) {
   precise float product = a * b;
   precise float aScaled = 4097.0 * a;
   precise float bScaled = 4097.0 * b;
@@ -32,7 +32,7 @@ float twoProduct(float a, float b, out float rest) {
 }
 
 // Adds a term to a compensated sum (Kahan 1965).
-void compensatedAdd(inout vec3 sum, inout vec3 compensation, vec3 term) {
+void compensatedAdd(inout vec3 sum, inout vec3 compensation, const vec3 term) {
   precise vec3 corrected = term - compensation;
   precise vec3 next = sum + corrected;
   precise vec3 lost = (next - sum) - corrected;
@@ -41,7 +41,7 @@ void compensatedAdd(inout vec3 sum, inout vec3 compensation, vec3 term) {
 }
 
 // ln(1 - q) for 0 <= q < 1, with a small relative error also where q is small.
-float logOneMinus(float q) {
+float logOneMinus(const float q) {
   // 1 - q = 2^k (1 + f) with 1 + f in [sqrt(1/2), sqrt(2)); below 1/4, f = -q without a rounding.
   int k = 0;
   float f = -q;
@@ -62,7 +62,7 @@ float logOneMinus(float q) {
 
 // (1 - q)^n for 0 <= q <= 1 and n >= 0, with 0^0 = 1. The built-in pow() is undefined at 0 and loses 1e-5 on lavapipe
 // for large n; here the absolute error is about 1e-7 for every n.
-float powOneMinus(float q, float n) {
+float powOneMinus(const float q, const float n) {
   if (n == 0.0) return 1.0;
   if (q >= 1.0) return 0.0;
   float y = n * logOneMinus(q) * 1.4426950;

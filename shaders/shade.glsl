@@ -17,23 +17,23 @@ struct MaterialRows {
   Row diffuse, specular, other;
 };
 
-MaterialRows materialRows(uint material) {
+MaterialRows materialRows(const uint material) {
   uint row = kMaterialRows * material;
   return MaterialRows(ROW(materials, row + kMaterialDiffuse), ROW(materials, row + kMaterialSpecular),
                       ROW(materials, row + kMaterialOther));
 }
 
-float reflectance(MaterialRows m) { return uintBitsToFloat(m.diffuse.w); }     // r
-float transmittance(MaterialRows m) { return uintBitsToFloat(m.specular.w); }  // t
-float shininess(MaterialRows m) { return uintBitsToFloat(m.other.x); }         // n
-float indexOfRefraction(MaterialRows m) { return uintBitsToFloat(m.other.y); }  // eta
-float localWeight(MaterialRows m) { return uintBitsToFloat(m.other.z); }
+float reflectance(const MaterialRows m) { return uintBitsToFloat(m.diffuse.w); }     // r
+float transmittance(const MaterialRows m) { return uintBitsToFloat(m.specular.w); }  // t
+float shininess(const MaterialRows m) { return uintBitsToFloat(m.other.x); }         // n
+float indexOfRefraction(const MaterialRows m) { return uintBitsToFloat(m.other.y); }  // eta
+float localWeight(const MaterialRows m) { return uintBitsToFloat(m.other.z); }
 
 // The largest of three components.
-float largest(vec3 v) { return max(max(v.x, v.y), v.z); }
+float largest(const vec3 v) { return max(max(v.x, v.y), v.z); }
 
 // Turns the hit of a ray into the surface there.
-Surface surfaceAt(Ray ray, RayFactors factors, float t, uint primitive) {
+Surface surfaceAt(const Ray ray, const RayFactors factors, const float t, const uint primitive) {
   Surface surface;
   uint row = kUnitRows * (primitive & kRefPlaceMask);
   vec3 V = -ray.direction;
@@ -92,26 +92,26 @@ Surface surfaceAt(Ray ray, RayFactors factors, float t, uint primitive) {
 }
 
 // A ray from the surface, to the side of Ng (`above`) or through it.
-Ray leaveSurface(Surface surface, uint primitive, vec3 direction, bool above) {
+Ray leaveSurface(const Surface surface, const uint primitive, const vec3 direction, const bool above) {
   vec3 origin = surface.point + (above ? surface.margin : -surface.margin) * surface.Ng;
   bool inward = above != surface.outside;
   return Ray(origin, direction, primitive | (inward ? kLeavesInward : 0u));
 }
 
 // Whether a light stands above both the surface and its shading normal, so that a shadow ray is worth its time.
-bool facesLight(Surface surface, vec3 lightPosition) {
+bool facesLight(const Surface surface, const vec3 lightPosition) {
   vec3 L = lightPosition - surface.point;
   return dot(surface.Ns, L) > 0.0 && dot(surface.Ng, L) > 0.0;
 }
 
 // Whether a surface sends nothing of any light toward the eye by itself.
-bool reflectsNoLight(MaterialRows material) {
+bool reflectsNoLight(const MaterialRows material) {
   vec3 most = max(xyz(material.diffuse), HIGHLIGHTS ? xyz(material.specular) : vec3(0));
   return localWeight(material) * largest(most) <= 0.0;
 }
 
 // E (k_d + k_s max(0, N.H)^n) N.L of one light that is not in shadow.
-vec3 lightReflected(Surface surface, vec3 V, Row lightPosition, vec3 E, MaterialRows material) {
+vec3 lightReflected(const Surface surface, const vec3 V, const Row lightPosition, vec3 E, const MaterialRows material) {
   vec3 toward = xyz(lightPosition) - surface.point;
   float squared = dot(toward, toward);
   vec3 L = toward / sqrt(squared);
@@ -129,16 +129,16 @@ vec3 lightReflected(Surface surface, vec3 V, Row lightPosition, vec3 E, Material
 }
 
 // The direction mirrored about a normal on the side of V.
-vec3 mirrored(vec3 direction, vec3 N) { return direction - 2.0 * dot(direction, N) * N; }
+vec3 mirrored(const vec3 direction, const vec3 N) { return direction - 2.0 * dot(direction, N) * N; }
 
 // R: about Ns, or about Ng where that would lead below the surface.
-vec3 reflection(Surface surface, vec3 direction) {
+vec3 reflection(const Surface surface, const vec3 direction) {
   vec3 R = mirrored(direction, surface.Ns);
   return dot(R, surface.Ng) > 0.0 ? R : mirrored(direction, surface.Ng);
 }
 
 // Snell's law in vector form; false on total internal reflection. eta: index on the side of V over the other.
-bool refracted(vec3 direction, vec3 N, float eta, out vec3 T) {
+bool refracted(const vec3 direction, const vec3 N, const float eta, out vec3 T) {
   float cosI = -dot(direction, N);
   float sin2T = eta * eta * max(1.0 - cosI * cosI, 0.0);
   T = direction;
@@ -148,7 +148,7 @@ bool refracted(vec3 direction, vec3 N, float eta, out vec3 T) {
 }
 
 // T: about Ns, or about Ng where that would not lead through the surface; false on total internal reflection.
-bool transmission(Surface surface, vec3 direction, float ior, out vec3 T) {
+bool transmission(const Surface surface, const vec3 direction, const float ior, out vec3 T) {
   float eta = surface.front ? 1.0 / ior : ior;
   bool passes = refracted(direction, surface.Ns, eta, T);
   if (passes && dot(T, surface.Ng) >= 0.0) passes = refracted(direction, surface.Ng, eta, T);

@@ -16,10 +16,10 @@ uint hitPrimitive;  // and what
 uint light;         // the light that the hit's shadow ray goes to
 Walk walk;          // of the ray in hand, or of a shadow ray of its hit
 
-Row packRow(vec3 v, uint w) { return Row(floatBitsToUint(v), w); }
+Row packRow(const vec3 v, const uint w) { return Row(floatBitsToUint(v), w); }
 
 // Index of a row of this invocation's state: neighbours lie side by side.
-uint stateRow(uint row, uint slot) { return row * tile.slots + slot; }
+uint stateRow(const uint row, const uint slot) { return row * tile.slots + slot; }
 
 // A pixel not yet begun.
 void beginWork() {
@@ -38,7 +38,7 @@ void beginWork() {
   raysSpawned = nodesVisited = primitivesVisited = Row(0u);
 }
 
-void takeUpWork(uint slot) {
+void takeUpWork(const uint slot) {
   Row row = state[stateRow(kStateSum, slot)];
   sum = xyz(row);
   rayKind = row.w & 255u;
@@ -69,7 +69,7 @@ void takeUpWork(uint slot) {
   primitivesVisited = COUNTERS ? state[stateRow(kStatePrimitives, slot)] : Row(0u);
 }
 
-void putWorkAway(uint slot) {
+void putWorkAway(const uint slot) {
   state[stateRow(kStateSum, slot)] = packRow(sum, rayKind | (level << 8u) | (walk.top << 16u));
   state[stateRow(kStateCompensation, slot)] = packRow(compensation, sampleIndex);
   state[stateRow(kStateRay, slot)] = packRow(ray.origin, ray.leaving);
@@ -79,7 +79,7 @@ void putWorkAway(uint slot) {
   state[stateRow(kStateList, slot)] = Row(walk.list.xy, pending);
 }
 
-void putCountsAway(uint slot) {
+void putCountsAway(const uint slot) {
   state[stateRow(kStateRays, slot)] = raysSpawned;
   state[stateRow(kStateNodes, slot)] = nodesVisited;
   state[stateRow(kStatePrimitives, slot)] = primitivesVisited;
@@ -91,13 +91,13 @@ bool anyPending() { return (pending.x | pending.y) != 0u; }
 uint deepestPending() { return 1u + (pending.y != 0u ? 32u + uint(findMSB(pending.y)) : uint(findMSB(pending.x))); }
 
 // The bit of a level (1 to 64) in the mask of levels that have a ray waiting.
-uvec2 levelBit(uint level) {
+uvec2 levelBit(const uint level) {
   uint bit = level - 1u;
   return bit < 32u ? uvec2(1u << bit, 0u) : uvec2(0u, 1u << (bit - 32u));
 }
 
 // A ray of the next level waits.
-void pushRay(uint slot, Ray waiting, float itsWeight) {
+void pushRay(const uint slot, const Ray waiting, const float itsWeight) {
   uint row = kStateRayStack + 2u * (level - 1u);
   state[stateRow(row, slot)] = packRow(waiting.origin, waiting.leaving);
   state[stateRow(row + 1u, slot)] = packRow(waiting.direction, floatBitsToUint(itsWeight));
@@ -105,7 +105,7 @@ void pushRay(uint slot, Ray waiting, float itsWeight) {
 }
 
 // The deepest ray that waits becomes the ray in hand.
-void popRay(uint slot) {
+void popRay(const uint slot) {
   level = deepestPending();
   pending &= ~levelBit(level);
   uint row = kStateRayStack + 2u * (level - 2u);
@@ -116,13 +116,13 @@ void popRay(uint slot) {
 }
 
 // --- the node stack of an interrupted walk ---
-void saveNodeStack(uint slot, uint top) {
+void saveNodeStack(const uint slot, const uint top) {
   for (uint i = 0u; i < top; i += 4u)
     state[stateRow(kStateNodeStack + i / 4u, slot)] =
         Row(nodeStack[i], nodeStack[i + 1u], nodeStack[i + 2u], nodeStack[i + 3u]);
 }
 
-void loadNodeStack(uint slot, uint top) {
+void loadNodeStack(const uint slot, const uint top) {
   for (uint i = 0u; i < top; i += 4u) {
     Row row = state[stateRow(kStateNodeStack + i / 4u, slot)];
     nodeStack[i] = row.x;

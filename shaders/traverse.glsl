@@ -17,16 +17,16 @@ uint nodeStack[kMaxTreeDepth];
 Walk walkFromRoot() { return Walk(root, 0u, kNoHit, kRefNone, 0u, uvec3(0u)); }
 
 // A ray through the middle of a cube walks the list of its cell.
-Walk walkAlongList(uvec3 list, float tMax) { return Walk(kRefNext, 0u, tMax, kRefNone, 0u, list); }
+Walk walkAlongList(const uvec3 list, const float tMax) { return Walk(kRefNext, 0u, tMax, kRefNone, 0u, list); }
 
 // Whether a leaf holds pairs, not spheres.
-bool holdsPairs(uint leaf) { return TRIANGLES && (!SPHERES || (leaf & kRefTriangle) != 0u); }
+bool holdsPairs(const uint leaf) { return TRIANGLES && (!SPHERES || (leaf & kRefTriangle) != 0u); }
 
-uint unitsOf(bool isPair) { return isPair ? kPairUnits : kSphereUnits; }
+uint unitsOf(const bool isPair) { return isPair ? kPairUnits : kSphereUnits; }
 
 uint trianglesMet;  // anew in the last pair, for the counters
 
-bool isOver(Walk walk) { return walk.next == kRefNone; }
+bool isOver(const Walk walk) { return walk.next == kRefNone; }
 
 // The walk's next reference from its stack, if there is one.
 void popNode(inout Walk walk) {
@@ -38,13 +38,13 @@ void popNode(inout Walk walk) {
 }
 
 // An entry of a list: a reference, and the least distance at which the ray may meet it.
-uvec2 listEntry(uint index) {
+uvec2 listEntry(const uint index) {
   Row row = ROW(cubes, index >> 1u);
   return (index & 1u) != 0u ? row.zw : row.xy;
 }
 
 // The next entry of the list. Entries are sorted: behind what is beyond the limit everything is.
-void takeEntry(inout Walk walk, float limit) {
+void takeEntry(inout Walk walk, const float limit) {
   uvec2 entry = listEntry(walk.list.x);
   walk.next = walk.list.x < walk.list.y && uintBitsToFloat(entry.y) <= limit ? entry.x : kRefNone;
   ++walk.list.x;
@@ -53,17 +53,18 @@ void takeEntry(inout Walk walk, float limit) {
 // Where a ray enters one of a node's boxes, or kNoHit if it does not before tMax. `near` and `far` hold the planes that
 // it meets first and last on each axis. The interval is widened by 2^-20: Vulkan allows a division 2.5 ulp of error, for
 // which the usual 3 ulp do not suffice (Ize, JCGT 2(2), 2013).
-float enterBox(vec3 near, vec3 far, float tMax) {
+float enterBox(const vec3 near, const vec3 far, const float tMax) {
   float enter = greater(greater(near.x, near.y), greater(near.z, 0.0)) * (1.0 - 1.0 / 1048576.0);
   float leave = lesser(lesser(far.x, far.y), lesser(far.z, tMax));
   return enter <= leave * (1.0 + 1.0 / 1048576.0) ? enter : kNoHit;
 }
 
 // Four planes are the bytes of an integer; this takes one of each axis.
-vec3 planesAt(uvec3 planes, uvec3 shift) { return vec3(ivec3((planes >> shift) & 255u)); }
+vec3 planesAt(const uvec3 planes, const uvec3 shift) { return vec3(ivec3((planes >> shift) & 255u)); }
 
-// Goes on with the nearer child that the ray enters; the other one waits on the stack.
-void visitNode(Ray ray, RayFactors factors, inout Walk walk) {
+// Goes on with the nearer child that the ray enters; the other one waits on the stack. What waits there is taken up
+// outside the loops: lavapipe reads a stack lane by lane, which takes a good part of a visit's time.
+void visitNode(const Ray ray, const RayFactors factors, inout Walk walk) {
   Row origin = ROW(nodes, kNodeRows * walk.next + kNodeOrigin);
   Row planes = ROW(nodes, kNodeRows * walk.next + kNodePlanes);
   // t of a plane is (origin + byte * scale - ray.origin) / direction.
@@ -89,7 +90,7 @@ void visitNode(Ray ray, RayFactors factors, inout Walk walk) {
     nodeStack[walk.top] = firstIsNearer ? child1 : child0;
     ++walk.top;
   }
-  if (neither) popNode(walk);
+  if (neither) walk.next = kRefNext;
 }
 
 // What a ray meets of a shape.
@@ -100,7 +101,7 @@ struct Meeting {
   bool both;  // it passes both triangles, and this is the first: the second is still to be met
 };
 
-Meeting meetSphere(Ray ray, RayFactors factors, uint primitive) {
+Meeting meetSphere(const Ray ray, const RayFactors factors, const uint primitive) {
   uint row = kUnitRows * primitive;
   Row center = ROW(primitives, row + kSphereCenter), tags = ROW(primitives, row + kSphereTags);
   bool leavesIt = (ray.leaving & ~kLeavesInward) == primitive;
@@ -108,7 +109,7 @@ Meeting meetSphere(Ray ray, RayFactors factors, uint primitive) {
 }
 
 // `pair` has kRefSecond where the first triangle has been met already.
-Meeting meetPair(Ray ray, RayFactors factors, uint pair) {
+Meeting meetPair(const Ray ray, const RayFactors factors, const uint pair) {
   uint row = kUnitRows * (pair & kRefPlaceMask);
   Row v0 = ROW(primitives, row + kPairV0), v1 = ROW(primitives, row + kPairV1), v2 = ROW(primitives, row + kPairV2),
       v3 = ROW(primitives, row + kPairV3);
@@ -133,7 +134,7 @@ Meeting meetPair(Ray ray, RayFactors factors, uint pair) {
 
 // Tests a shape; true if it takes the walk's hit. Among equal distances the lowest id wins, so that the picture does not
 // depend on the tree.
-bool visitShape(Ray ray, RayFactors factors, uint shape, bool isPair, bool anyHit, uint kind, inout Walk walk,
+bool visitShape(const Ray ray, const RayFactors factors, const uint shape, const bool isPair, const bool anyHit, const uint kind, inout Walk walk,
                 out bool both) {
   Meeting met = Meeting(kNoHit, kRefNone, 0u, false);
   if (SPHERES && !isPair) met = meetSphere(ray, factors, shape);
@@ -151,7 +152,7 @@ bool visitShape(Ray ray, RayFactors factors, uint shape, bool isPair, bool anyHi
 }
 
 // On to the leaf's next shape, or to whatever follows the leaf.
-void passShape(bool isPair, bool both, inout Walk walk) {
+void passShape(const bool isPair, const bool both, inout Walk walk) {
   bool last = ((walk.next >> kRefCountShift) & kRefCountMask) == 0u;
   uint following = last ? kRefNext : (walk.next & ~kRefSecond) + unitsOf(isPair) - (1u << kRefCountShift);
   walk.next = both ? walk.next | kRefSecond : following;
@@ -159,12 +160,12 @@ void passShape(bool isPair, bool both, inout Walk walk) {
 
 // The turns that a walk's loops make with no lane in them: lavapipe 22.3 runs the body of every loop at least once.
 // Whoever calls continueWalk, or has other lanes call it, pays for them.
-int idleTurns(bool meetsNodes) { return meetsNodes ? 3 : int(SPHERES) + int(TRIANGLES); }
+int idleTurns(const bool meetsNodes) { return meetsNodes ? 3 : int(SPHERES) + int(TRIANGLES); }
 
 // Goes through the tree. Leaves and nodes have loops of their own: lavapipe 22.3 executes both sides of every branch, but
 // leaves a loop when no lane is in it. It looks for that at the loop's end; a condition at the loop's head would cost it
 // one more turn with no lane in it.
-void walkTree(Ray ray, RayFactors factors, bool anyHit, uint kind, float reach, inout Walk walk, inout int budget) {
+void walkTree(const Ray ray, const RayFactors factors, const bool anyHit, const uint kind, float reach, inout Walk walk, inout int budget) {
   if (walk.next == kRefNone || budget <= 0) return;
   do {
     budget -= 3;  // this turn, and those of the loops inside that no lane takes
@@ -191,7 +192,7 @@ void walkTree(Ray ray, RayFactors factors, bool anyHit, uint kind, float reach, 
 
 // Goes through the spheres or the pairs of a list, from its next entry to `end`. Of the last pair the second triangle may
 // be left: walk.next names it.
-void walkShapes(Ray ray, RayFactors factors, bool arePairs, uint end, bool anyHit, uint kind, float reach,
+void walkShapes(const Ray ray, const RayFactors factors, const bool arePairs, const uint end, const bool anyHit, const uint kind, float reach,
                 inout Walk walk, inout int budget) {
   if (walk.next == kRefNone || (walk.next == kRefNext && walk.list.x >= end) || budget <= 0) return;
   do {
@@ -212,7 +213,7 @@ void walkShapes(Ray ray, RayFactors factors, bool arePairs, uint end, bool anyHi
 }
 
 // Goes along a list that holds no nodes, its spheres before its pairs.
-void walkList(Ray ray, RayFactors factors, bool anyHit, uint kind, float reach, inout Walk walk, inout int budget) {
+void walkList(const Ray ray, const RayFactors factors, const bool anyHit, const uint kind, float reach, inout Walk walk, inout int budget) {
   if (SPHERES && walk.list.x < walk.list.z)
     walkShapes(ray, factors, false, walk.list.z, anyHit, kind, reach, walk, budget);
   if (TRIANGLES && walk.list.x >= walk.list.z)
@@ -222,7 +223,7 @@ void walkList(Ray ray, RayFactors factors, bool anyHit, uint kind, float reach, 
 
 // Walks on until the walk is over or the budget of iterations is spent. An `anyHit` walk ends at its first hit. `reach`
 // turns a distance along the ray into one along the cube's face.
-void continueWalk(Ray ray, RayFactors factors, bool anyHit, bool meetsNodes, uint kind, float reach, inout Walk walk,
+void continueWalk(const Ray ray, const RayFactors factors, const bool anyHit, const bool meetsNodes, const uint kind, float reach, inout Walk walk,
                   inout int budget) {
   // The kernel's rounding is less than this.
   reach *= 1.0 + 1.0 / 262144.0;

@@ -34,7 +34,7 @@ layout(std430, binding = kBindState) buffer StateBuffer { Row state[]; };
 layout(std430, binding = kBindPixels) buffer PixelBuffer { Row pixels[]; };  // of the tile, row by row: RGB; w: phase
 layout(std430, binding = kBindStatus) buffer StatusBuffer { Status status; };
 
-vec3 xyz(Row row) { return uintBitsToFloat(row.xyz); }
+vec3 xyz(const Row row) { return uintBitsToFloat(row.xyz); }
 
 // What is the same for all invocations, loaded once: inside a branch or loop lavapipe 22.3 would load it lane by lane.
 Frame frame;
@@ -71,7 +71,7 @@ uint evenBits(uint i) {
 }
 
 // a / b for a < 2^22, by way of float: lavapipe divides integers lane by lane.
-uint quotient(uint a, uint b) { return uint(int((float(int(a)) + 0.5) / float(int(b)))); }
+uint quotient(const uint a, const uint b) { return uint(int((float(int(a)) + 0.5) / float(int(b)))); }
 
 // The slot of this invocation. A CPU device gives each of its threads one contiguous share of the work-groups; dealing
 // the groups out in turn gives every thread a part of the sky and a part of the ground.
@@ -86,7 +86,7 @@ uint invocationSlot() {
 
 // The pixel of a slot, within the tile: blocks of 8x8 row by row, Morton order inside, so that the lanes of a SIMD unit
 // see a compact piece of the picture.
-uvec2 slotPixel(uint slot) {
+uvec2 slotPixel(const uint slot) {
   uint blocksInRow = (tile.width + 7u) / 8u;
   uint block = slot / 64u, inside = slot % 64u;
   uint y = quotient(block, blocksInRow), x = block - y * blocksInRow;
@@ -94,7 +94,7 @@ uvec2 slotPixel(uint slot) {
 }
 
 // Begins a sample with its eye ray.
-void beginSample(uvec2 pixel) {
+void beginSample(const uvec2 pixel) {
   ray = Ray(vec3(0), eyeDirection(pixel, sampleIndex), kRefNone);
   rayKind = kEye;
   weight = 1.0;
@@ -106,7 +106,7 @@ void beginSample(uvec2 pixel) {
 }
 
 // The nearest hit of the ray in hand, or as much of the way there as the budget allows.
-void findNearestHit(RayFactors factors, inout int budget) {
+void findNearestHit(const RayFactors factors, inout int budget) {
   continueWalk(ray, factors, false, NEAREST_NODES, rayKind, abs(along(ray.direction, factors.axis)), walk, budget);
   if (!isOver(walk)) return;
   hitT = walk.tMax;
@@ -121,7 +121,7 @@ void findNearestHit(RayFactors factors, inout int budget) {
 }
 
 // One light, if it faces the surface: a shadow ray to it, and its light if nothing hides it.
-void addLight(Surface surface, MaterialRows material, inout int budget) {
+void addLight(const Surface surface, const MaterialRows material, inout int budget) {
   Row position = ROW(lights, kLightRows * light + kLightPosition);
   Row color = ROW(lights, kLightRows * light + kLightColor);
   Ray shadowRay = leaveSurface(surface, hitPrimitive, vec3(0), true);
@@ -149,7 +149,7 @@ void addLight(Surface surface, MaterialRows material, inout int budget) {
 }
 
 // All lights are done: spawns what is reflected and transmitted. One ray goes on, the other waits.
-void spawnRays(Surface surface, MaterialRows material, uint slot) {
+void spawnRays(const Surface surface, const MaterialRows material, const uint slot) {
   phase = kNextRay;
   float r = reflectance(material), t = transmittance(material);
   vec3 T = vec3(0);
@@ -184,7 +184,7 @@ void spawnRays(Surface surface, MaterialRows material, uint slot) {
 }
 
 // Follows one ray to its nearest hit, from there to the lights, and spawns the next: one step down the tree of rays.
-void followRay(uint slot, uvec2 pixel, inout int budget) {
+void followRay(const uint slot, const uvec2 pixel, inout int budget) {
   // This turn, and those that no lane takes: of the walk below, of the loop over lights and of the walk in it.
   budget -= 2 + idleTurns(NEAREST_NODES) + idleTurns(SHADOW_NODES);
   if (SAMPLES > 1u && phase == kNextSample) beginSample(pixel);
