@@ -12,7 +12,7 @@ float along(const vec3 direction, const int axis) { return axis == 0 ? direction
 // The face that a direction points to; axis is that of its largest component.
 uint cubeFace(const vec3 direction, const int axis) { return 2u * uint(axis) + (along(direction, axis) < 0.0 ? 1u : 0u); }
 
-// The list of a direction's cell, u and v on that face of that cube: its first entry, its end, its first triangle.
+// The list of a direction's cell, u and v on that face of that cube: its first entry, its end, its first pair.
 uvec3 cubeList(const uint cube, const uint face, const vec2 uv) {
   Row row = ROW(cubes, kCubeRows * cube + face);
   vec3 window = xyz(row);

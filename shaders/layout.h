@@ -166,8 +166,8 @@ struct CubeFace {
                // the row of the first of them
 };
 // A coarse cell is a row: row of its first fine cell, fine cells on a side. A fine cell is a row: its first entry, the
-// end of its entries, its first triangle. An entry is half a row: a reference, and the least distance along the face's
-// axis (a float) of what it holds. They are sorted by that; where lists hold no nodes, spheres come before triangles.
+// end of its entries, its first pair. An entry is half a row: a reference, and the least distance along the face's
+// axis (a float) of what it holds. They are sorted by that; where lists hold no nodes, spheres come before pairs.
 
 // The kernel fetches rows one by one: their places in the structures above.
 TURNER_CONST kNodeOrigin = 0u, kNodePlanes = 1u, kNodeRows = 2u;
@@ -192,7 +192,7 @@ TURNER_CONST kStateSum = 0u;           // sum of radiance; w: kind | level << 8 
 TURNER_CONST kStateCompensation = 1u;  // of the sum; w: samples done
 TURNER_CONST kStateRay = 2u;           // origin; w: primitive it leaves
 TURNER_CONST kStateDirection = 3u;     // w: weight (float)
-TURNER_CONST kStateHit = 4u;   // x: t of the hit (float), y: primitive, z: light, w: first triangle of the walk's list
+TURNER_CONST kStateHit = 4u;   // x: t of the hit (float), y: primitive, z: light, w: first pair of the walk's list
 TURNER_CONST kStateWalk = 5u;  // x: reference to visit next, y: t of the best hit (float), z: that primitive, w: its id
 TURNER_CONST kStateList = 6u;  // x, y: rest of the walk's list; z, w: levels that have a ray waiting
 TURNER_CONST kStateRays = 7u;  // counted: eye, reflected, refracted, shadow

@@ -7,7 +7,7 @@ struct Walk {
   float tMax;  // distance of the best hit so far; before the first, how far the ray reaches
   uint hit;    // the best primitive so far (kind and place), or kRefNone
   uint hitId;  // its id
-  uvec3 list;  // the rest of its list: next entry, end, and where triangles begin if spheres come first
+  uvec3 list;  // the rest of its list: next entry, end, and where pairs begin if spheres come first
 };
 
 // References still to be visited. A path through the tree leaves at most one on each level.

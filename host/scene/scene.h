@@ -70,7 +70,7 @@ struct Scene {
   // file order. Among hits at equal distance the lowest id wins.
   std::vector<Sphere> spheres;
   std::vector<Triangle> triangles;
-  std::vector<std::array<glm::dvec3, 3>> normals;  // vertex normals, three for each smooth triangle
+  std::vector<std::array<glm::dvec3, 3>> normals;  // vertex normals, three for each smooth triangle, its own
   std::vector<std::string> notes;                  // what the user should be told: no lights, no objects, ...
 };
 

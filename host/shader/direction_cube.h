@@ -1,6 +1,6 @@
 // Lists of what rays through one point can hit: the point is the eye or a light, the lists stand in the cells of a cube
 // of directions around it. An item buffer (Weghorst, Hooper, Greenberg, ACM TOG 3(1), 1984) and a light buffer (Haines,
-// Greenberg, IEEE CG&A 6(9), 1986) over a tree: a list holds primitives, or nodes where many primitives share a cell.
+// Greenberg, IEEE CG&A 6(9), 1986) over a tree: a list holds shapes, or nodes where many shapes share a cell.
 // shaders/cube.glsl looks the lists up.
 #pragma once
 

@@ -1,5 +1,5 @@
 // glslang's C++ interface, which alone takes an includer; its log is turned into one line that editors know. Then
-// SPIRV-Tools inline all functions and put variables into registers.
+// SPIRV-Tools inline functions and put variables into registers.
 #include "shader/glsl.h"
 
 #include <glslang/Public/ResourceLimits.h>
@@ -118,8 +118,8 @@ std::string firstError(const std::string& log, const std::string& path) {
   return path + ": error: " + log;
 }
 
-// What every driver does first whenever it makes a pipeline, done once and kept in the cache: for lavapipe 22.3 half of
-// its work on a shader whose machine code it has in its own. None of these passes touches arithmetic.
+// Much of what a driver does first whenever it makes a pipeline, done once and kept in the cache: for lavapipe 22.3
+// half of its work on a shader whose machine code it has in its own. None of these passes touches arithmetic.
 std::vector<uint32_t> optimise(const std::vector<uint32_t>& words, const std::string& path) {
   spvtools::Optimizer optimizer(SPV_ENV_VULKAN_1_2);
   std::string complaint;
