@@ -26,8 +26,8 @@ uvec2 samplePosition(const uvec2 pixel, const uint sampleIndex) {
 }
 
 // One component of centre + x * right + y * down, each factor a sum of two floats, as a sum of two floats.
-float planeComponent(const float centreHi, const float centreLo, const vec2 x, const float rightHi, const float rightLo, const vec2 y, const float downHi,
-                     const float downLo, out float rest) {
+float planeComponent(const float centreHi, const float centreLo, const vec2 x, const float rightHi, const float rightLo,
+                     const vec2 y, const float downHi, const float downLo, out float rest) {
   float xRest, yRest, sumRest, restA, restB;
   float xProduct = twoProduct(x.x, rightHi, xRest);
   float yProduct = twoProduct(y.x, downHi, yRest);

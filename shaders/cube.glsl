@@ -7,10 +7,14 @@
 const uint kEyeCube = 0u;  // the first light's is the next
 
 // The component of a direction along an axis.
-float along(const vec3 direction, const int axis) { return axis == 0 ? direction.x : axis == 1 ? direction.y : direction.z; }
+float along(const vec3 direction, const int axis) {
+  return axis == 0 ? direction.x : axis == 1 ? direction.y : direction.z;
+}
 
 // The face that a direction points to; axis is that of its largest component.
-uint cubeFace(const vec3 direction, const int axis) { return 2u * uint(axis) + (along(direction, axis) < 0.0 ? 1u : 0u); }
+uint cubeFace(const vec3 direction, const int axis) {
+  return 2u * uint(axis) + (along(direction, axis) < 0.0 ? 1u : 0u);
+}
 
 // The list of a direction's cell, u and v on that face of that cube: its first entry, its end, its first pair.
 uvec3 cubeList(const uint cube, const uint face, const vec2 uv) {

@@ -24,8 +24,6 @@ bool holdsPairs(const uint leaf) { return TRIANGLES && (!SPHERES || (leaf & kRef
 
 uint unitsOf(const bool isPair) { return isPair ? kPairUnits : kSphereUnits; }
 
-uint trianglesMet;  // anew in the last pair, for the counters
-
 bool isOver(const Walk walk) { return walk.next == kRefNone; }
 
 // The walk's next reference from its stack, if there is one.
@@ -98,14 +96,15 @@ struct Meeting {
   float t;         // kNoHit: nothing
   uint primitive;  // the sphere, or that triangle of the pair
   uint id;
-  bool both;  // it passes both triangles, and this is the first: the second is still to be met
+  bool both;       // it passes both triangles, and this is the first: the second is still to be met
+  uint tested;     // spheres or triangles that this took, for the counters
 };
 
 Meeting meetSphere(const Ray ray, const RayFactors factors, const uint primitive) {
   uint row = kUnitRows * primitive;
   Row center = ROW(primitives, row + kSphereCenter), tags = ROW(primitives, row + kSphereTags);
   bool leavesIt = (ray.leaving & ~kLeavesInward) == primitive;
-  return Meeting(hitSphere(ray, factors, xyz(center), uintBitsToFloat(center.w), leavesIt), primitive, tags.x, false);
+  return Meeting(hitSphere(ray, factors, xyz(center), uintBitsToFloat(center.w), leavesIt), primitive, tags.x, false, 1u);
 }
 
 // `pair` has kRefSecond where the first triangle has been met already.
@@ -128,15 +127,15 @@ Meeting meetPair(const Ray ray, const RayFactors factors, const uint pair) {
   float t = planeDistance(ray, xyz(plane), uintBitsToFloat(plane.w), lesser(lesser(b.z, c.z), apex),
                           greater(greater(b.z, c.z), apex));
   if (!(inFirst || inSecond) || !(t > 0.0)) t = kNoHit;
-  if (COUNTERS) trianglesMet = pair != first ? 0u : v3.w != kRefNone ? 2u : 1u;
-  return Meeting(t, isSecond ? second : first, isSecond ? v3.w : v0.w, inFirst && inSecond);
+  uint tested = pair != first ? 0u : v3.w != kRefNone ? 2u : 1u;
+  return Meeting(t, isSecond ? second : first, isSecond ? v3.w : v0.w, inFirst && inSecond, tested);
 }
 
 // Tests a shape; true if it takes the walk's hit. Among equal distances the lowest id wins, so that the picture does not
 // depend on the tree.
-bool visitShape(const Ray ray, const RayFactors factors, const uint shape, const bool isPair, const bool anyHit, const uint kind, inout Walk walk,
-                out bool both) {
-  Meeting met = Meeting(kNoHit, kRefNone, 0u, false);
+bool visitShape(const Ray ray, const RayFactors factors, const uint shape, const bool isPair, const bool anyHit,
+                const uint kind, inout Walk walk, out bool both) {
+  Meeting met = Meeting(kNoHit, kRefNone, 0u, false, 0u);
   if (SPHERES && !isPair) met = meetSphere(ray, factors, shape);
   if (TRIANGLES && isPair) met = meetPair(ray, factors, shape);
   bool taken = met.t < walk.tMax;
@@ -147,7 +146,7 @@ bool visitShape(const Ray ray, const RayFactors factors, const uint shape, const
     walk.hitId = met.id;
   }
   both = met.both;
-  if (COUNTERS) primitivesVisited[kind] += isPair ? trianglesMet : 1u;
+  if (COUNTERS) primitivesVisited[kind] += met.tested;
   return taken;
 }
 
@@ -165,7 +164,8 @@ int idleTurns(const bool meetsNodes) { return meetsNodes ? 3 : int(SPHERES) + in
 // Goes through the tree. Leaves and nodes have loops of their own: lavapipe 22.3 executes both sides of every branch, but
 // leaves a loop when no lane is in it. It looks for that at the loop's end; a condition at the loop's head would cost it
 // one more turn with no lane in it.
-void walkTree(const Ray ray, const RayFactors factors, const bool anyHit, const uint kind, float reach, inout Walk walk, inout int budget) {
+void walkTree(const Ray ray, const RayFactors factors, const bool anyHit, const uint kind, const float reach,
+              inout Walk walk, inout int budget) {
   if (walk.next == kRefNone || budget <= 0) return;
   do {
     budget -= 3;  // this turn, and those of the loops inside that no lane takes
@@ -192,8 +192,8 @@ void walkTree(const Ray ray, const RayFactors factors, const bool anyHit, const 
 
 // Goes through the spheres or the pairs of a list, from its next entry to `end`. Of the last pair the second triangle may
 // be left: walk.next names it.
-void walkShapes(const Ray ray, const RayFactors factors, const bool arePairs, const uint end, const bool anyHit, const uint kind, float reach,
-                inout Walk walk, inout int budget) {
+void walkShapes(const Ray ray, const RayFactors factors, const bool arePairs, const uint end, const bool anyHit,
+                const uint kind, const float reach, inout Walk walk, inout int budget) {
   if (walk.next == kRefNone || (walk.next == kRefNext && walk.list.x >= end) || budget <= 0) return;
   do {
     --budget;
@@ -213,7 +213,8 @@ void walkShapes(const Ray ray, const RayFactors factors, const bool arePairs, co
 }
 
 // Goes along a list that holds no nodes, its spheres before its pairs.
-void walkList(const Ray ray, const RayFactors factors, const bool anyHit, const uint kind, float reach, inout Walk walk, inout int budget) {
+void walkList(const Ray ray, const RayFactors factors, const bool anyHit, const uint kind, const float reach,
+              inout Walk walk, inout int budget) {
   if (SPHERES && walk.list.x < walk.list.z)
     walkShapes(ray, factors, false, walk.list.z, anyHit, kind, reach, walk, budget);
   if (TRIANGLES && walk.list.x >= walk.list.z)
@@ -223,8 +224,8 @@ void walkList(const Ray ray, const RayFactors factors, const bool anyHit, const 
 
 // Walks on until the walk is over or the budget of iterations is spent. An `anyHit` walk ends at its first hit. `reach`
 // turns a distance along the ray into one along the cube's face.
-void continueWalk(const Ray ray, const RayFactors factors, const bool anyHit, const bool meetsNodes, const uint kind, float reach, inout Walk walk,
-                  inout int budget) {
+void continueWalk(const Ray ray, const RayFactors factors, const bool anyHit, const bool meetsNodes, const uint kind,
+                  float reach, inout Walk walk, inout int budget) {
   // The kernel's rounding is less than this.
   reach *= 1.0 + 1.0 / 262144.0;
   if (meetsNodes)

@@ -142,7 +142,8 @@ void addLight(const Surface surface, const MaterialRows material, inout int budg
   if (phase == kNextLight || isOver(walk)) {
     if (phase == kTraceShadow && walk.hit == kRefNone)
       compensatedAdd(sum, compensation,
-                     weight * localWeight(material) * lightReflected(surface, -ray.direction, position, xyz(color), material));
+                     weight * localWeight(material) *
+                         lightReflected(surface, -ray.direction, position, xyz(color), material));
     ++light;
     phase = kNextLight;
   }

@@ -41,6 +41,10 @@ constexpr size_t kSmallScene = 150'000, kMostOpenedAll = 256, kMostTests = 48;
 // one fewer, because each test waits for memory that no neighbour has fetched: 10^7 triangles trace 1.2 times faster.
 constexpr size_t kHugeScene = 2'000'000, kMostOpened = 48, kMostOpenedHuge = 16;
 constexpr float kCovers = 0.8f;
+size_t mostOpened(size_t shapes) {
+  if (shapes <= kSmallScene) return kMostOpenedAll;
+  return shapes <= kHugeScene ? kMostOpened : kMostOpenedHuge;
+}
 
 struct Rect {
   float uLo, uHi, vLo, vHi;
@@ -194,12 +198,15 @@ class BlockBuilder {
     List list;
   };
 
+  // The most that an edge's term reaches between two coordinates.
+  static float most(float slope, float lo, float hi) { return slope * (slope > 0 ? hi : lo); }
+
   bool overlaps(const Candidate& candidate, const Rect& r) const {
     if (!candidate.rect.overlaps(r)) return false;
     if (candidate.isNode()) return true;
     bool outside = false;
     for (const glm::vec3& e : edges_[candidate.edges])
-      outside |= e.x * (e.x > 0 ? r.uHi : r.uLo) + e.y * (e.y > 0 ? r.vHi : r.vLo) + e.z < 0;
+      outside |= most(e.x, r.uLo, r.uHi) + most(e.y, r.vLo, r.vHi) + e.z < 0;
     return !outside;
   }
 
@@ -222,7 +229,7 @@ class BlockBuilder {
     pool_.push_back(candidate);
   }
 
-  // A node, or the primitives of a leaf.
+  // A node, or the shapes of a leaf.
   void addChild(const BvhChild& child, const Rect& rect) {
     if (child.count == 0) {
       if (!tree_.bvh.nodes.empty()) add(child.box, child.first, false, rect);
@@ -281,8 +288,8 @@ class BlockBuilder {
       unsigned quarters = inU & inV;
       if (quarters != 0 && !candidate.isNode()) {
         for (const glm::vec3& e : edges_[candidate.edges]) {
-          const float u[2] = {e.x * (e.x > 0 ? lower.uHi : lower.uLo), e.x * (e.x > 0 ? upper.uHi : upper.uLo)};
-          const float v[2] = {e.y * (e.y > 0 ? lower.vHi : lower.vLo), e.y * (e.y > 0 ? upper.vHi : upper.vLo)};
+          const float u[2] = {most(e.x, lower.uLo, lower.uHi), most(e.x, upper.uLo, upper.uHi)};
+          const float v[2] = {most(e.y, lower.vLo, lower.vHi), most(e.y, upper.vLo, upper.vHi)};
           for (unsigned k = 0; k < 4; ++k) quarters &= ~(unsigned(u[k & 1] + v[k >> 1] + e.z < 0) << k);
         }
       }
@@ -418,9 +425,7 @@ class BlockBuilder {
   const Face& face_;
   const BlockBounds bounds_;
   const bool opensAll_ = tree_.bvh.order.size() <= kSmallScene;
-  const size_t mostOpened_ = opensAll_                              ? kMostOpenedAll
-                             : tree_.bvh.order.size() <= kHugeScene ? kMostOpened
-                                                                    : kMostOpenedHuge;
+  const size_t mostOpened_ = mostOpened(tree_.bvh.order.size());
   int mostLevels_ = kMostLevels;
   size_t fineCells_ = 0;
   size_t cellsLeft_ = 0;    // coarse cells still to be filled

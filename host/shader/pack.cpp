@@ -202,8 +202,10 @@ PackedScene packScene(const Shapes& shapes, const Bvh& bvh, const RenderSettings
   const size_t sphereCount = local.spheres.size();
   if (gpu::kSphereUnits * sphereCount + gpu::kPairUnits * shapes.pairs.size() > gpu::kMaxUnits)
     throw InputError("the scene has more spheres and triangles than the kernel can number: " +
-                     std::to_string(sphereCount + local.triangles.size()) +
-                     "; it takes 134 million spheres or 44 million triangles, 89 million where all are in pairs");
+                     std::to_string(sphereCount + local.triangles.size()) + "; it takes " +
+                     std::to_string(gpu::kMaxUnits / gpu::kSphereUnits) + " spheres or " +
+                     std::to_string(gpu::kMaxUnits / gpu::kPairUnits) +
+                     " triangles, twice as many where all are in pairs");
   if (bvh.depth > int(gpu::kMaxTreeDepth))
     throw RunError("the tree is " + std::to_string(bvh.depth) + " nodes deep, more than the kernel's stack holds");
 
