@@ -55,7 +55,7 @@ TURNER_CONST kIterations = 56000u;
 TURNER_CONST kCanaryLength = 4u;  // iterations of the loop that tells whether the limiter fired
 
 // --- specialisation constants ---------------------------------------------------------------------------------------
-// Their ids; whitted.comp declares them.
+// Their ids; features.glsl declares them, but for the size of a work-group.
 TURNER_CONST kSpecWorkGroup = 0u;
 TURNER_CONST kSpecDepth = 1u;    // levels of the ray tree
 TURNER_CONST kSpecSamples = 2u;  // n of the n x n grid

@@ -1,0 +1,308 @@
+// Vulkan for the test kernels: one descriptor set, one dispatch for each batch of rays.
+#include "hard/kernels.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdlib>
+#include <cstring>
+#include <glm/common.hpp>
+#include <optional>
+
+#include "errors.h"
+#include "hard/kernels/naive.h"
+#include "hard/kernels/step.h"
+#include "shader/devices.h"
+#include "shader/glsl.h"
+#include "shader/gpu.h"
+#include "shader/pack.h"
+#include "shader/round_scene.h"
+
+namespace turner::hard {
+namespace {
+
+using gpu::Row;
+using gpu::uint;
+
+constexpr size_t kBatch = 1 << 18;  // rays in a dispatch
+constexpr uint kWorkGroup = 64;
+
+// What a kernel is bound to, beside what it is given and finds.
+struct Rows {
+  std::array<Buffer, kRowArrays> arrays;  // from gpu::kBindNodes on
+  gpu::Frame frame{};
+};
+
+struct Kernel {
+  std::optional<vk::raii::DescriptorSetLayout> setLayout;
+  std::optional<vk::raii::PipelineLayout> layout;
+  std::optional<vk::raii::Pipeline> pipeline;
+};
+
+Row rowOf(const glm::vec3& v, uint w) {
+  return {v.x, v.y, v.z, w};
+}
+
+Fetch fetchOf(const Device& device) {
+  return device.canFetch(Fetch::texels) ? Fetch::texels : Fetch::buffers;
+}
+
+vk::DescriptorType typeOf(uint binding, Fetch fetch) {
+  return binding >= gpu::kBindNodes && fetch == Fetch::texels ? vk::DescriptorType::eStorageTexelBuffer
+                                                              : vk::DescriptorType::eStorageBuffer;
+}
+
+bool isBound(uint binding) {
+  return binding == gpu::kBindFrame || binding == gpu::kBindGiven || binding == gpu::kBindFound ||
+         binding >= gpu::kBindNodes;
+}
+
+Kernel makeKernel(const Device& device, Fetch fetch, const std::string& file, const Features& features) {
+  const Spirv spirv = compileGlsl(std::string(TURNER_TESTS_DIR "/hard/kernels/") + file, fetchPreamble(fetch));
+  std::vector<vk::DescriptorSetLayoutBinding> bindings;
+  for (uint i = 0; i < gpu::kBindCount; ++i)
+    if (isBound(i)) bindings.push_back({i, typeOf(i, fetch), 1, vk::ShaderStageFlagBits::eCompute});
+
+  // The step has all that a scene may need, but kinds of primitives that it lacks and what follows from the scene.
+  struct Constant {
+    uint id, value;
+  };
+  const std::vector<Constant> constants = {
+      {gpu::kSpecWorkGroup, kWorkGroup},
+      {gpu::kSpecBudget, device.isCpu() ? gpu::kIterations / device.subgroupSize() : gpu::kIterations},
+      {gpu::kSpecSpheres, features.spheres},
+      {gpu::kSpecTriangles, features.triangles},
+      {gpu::kSpecSmoothNormals, features.smoothNormals},
+  };
+  std::vector<vk::SpecializationMapEntry> entries;
+  for (size_t i = 0; i < constants.size(); ++i)
+    entries.push_back({constants[i].id, uint(i * sizeof(Constant) + offsetof(Constant, value)), sizeof(uint)});
+  const vk::SpecializationInfo specialization(uint(entries.size()), entries.data(), constants.size() * sizeof(Constant),
+                                              constants.data());
+  Kernel kernel;
+  kernel.setLayout.emplace(device.vulkan(), vk::DescriptorSetLayoutCreateInfo({}, bindings));
+  kernel.layout.emplace(device.vulkan(), vk::PipelineLayoutCreateInfo({}, **kernel.setLayout));
+  const vk::raii::ShaderModule module(device.vulkan(), vk::ShaderModuleCreateInfo({}, spirv.words));
+  const vk::PipelineShaderStageCreateInfo stage({}, vk::ShaderStageFlagBits::eCompute, *module, "main",
+                                                &specialization);
+  kernel.pipeline.emplace(device.vulkan(), nullptr, vk::ComputePipelineCreateInfo({}, stage, **kernel.layout));
+  device.name(*kernel.pipeline, file);
+  throwIfInvalid();
+  return kernel;
+}
+
+template <class T>
+std::span<const std::byte> bytesOf(const std::vector<T>& values) {
+  return std::as_bytes(std::span<const T>(values));
+}
+
+// The scene as the naive tracer has it: boxes that fit exactly, by a tree of the renderer's builder.
+struct NaiveScene {
+  std::vector<Row> nodes, primitives;
+};
+
+NaiveScene naiveScene(const Scene& local) {
+  std::vector<Box> boxes;
+  for (const Sphere& sphere : local.spheres)
+    boxes.push_back(
+        {glm::vec3(sphere.center - std::abs(sphere.radius)), glm::vec3(sphere.center + std::abs(sphere.radius))});
+  for (const Triangle& triangle : local.triangles) {
+    const glm::vec3 a(triangle.vertices[0]), b(triangle.vertices[1]), c(triangle.vertices[2]);
+    boxes.push_back({glm::min(a, glm::min(b, c)), glm::max(a, glm::max(b, c))});
+  }
+  const size_t sphereCount = local.spheres.size();
+  const Bvh bvh = buildBvh(boxes, sphereCount);
+  NaiveScene scene;
+  // Node 0 is the root; the children of Bvh node n are 2 n + 1 and 2 n + 2.
+  const auto put = [&](const BvhChild& child) {
+    scene.nodes.push_back(rowOf(child.box.lo, child.count > 0 ? child.first : 2 * child.first + 1));
+    scene.nodes.push_back(rowOf(child.box.hi, child.count));
+  };
+  put(bvh.root);
+  for (const Bvh::Node& node : bvh.nodes)
+    for (const BvhChild& child : node.children) put(child);
+  for (const uint id : bvh.order) {
+    if (id < sphereCount) {
+      const Sphere& sphere = local.spheres[id];
+      scene.primitives.push_back(rowOf(sphere.center, id));
+      scene.primitives.push_back(rowOf(glm::vec3(0), 0));
+      scene.primitives.push_back(rowOf(glm::vec3(float(std::abs(sphere.radius)), 0, 0), sphere.material));
+    } else {
+      const Triangle& triangle = local.triangles[id - sphereCount];
+      scene.primitives.push_back(rowOf(triangle.vertices[0], id));
+      scene.primitives.push_back(rowOf(triangle.vertices[1], 1));
+      scene.primitives.push_back(rowOf(triangle.vertices[2], triangle.material));
+    }
+  }
+  return scene;
+}
+
+DeviceInfo wantedDevice() {
+  const char* wanted = std::getenv("TURNER_DEVICE");
+  return chooseDevice(listDevices(), wanted ? wanted : "");
+}
+
+}  // namespace
+
+struct Kernels::Parts {
+  Device device{wantedDevice()};
+  Fetch fetch = fetchOf(device);
+  Scene local;
+  Features features;
+  Rows turner, naive;
+  std::optional<Kernel> step, naiveStep;
+  Features stepFeatures;  // that `step` was made for
+  Buffer given = device.hostBuffer(kBatch * gpu::kGivenRows * sizeof(Row), "given");
+  Buffer found = device.hostBuffer(kBatch * gpu::kFoundRows * sizeof(Row), "found");
+  std::optional<vk::raii::DescriptorPool> pool;
+  std::optional<vk::raii::DescriptorSet> set;
+
+  void setArray(Rows& rows, uint binding, std::span<const std::byte> bytes) const {
+    Buffer& buffer = rows.arrays[binding - gpu::kBindNodes];
+    buffer = {};
+    buffer = device.uploadRows(bytes, fetch, "rows " + std::to_string(binding));
+  }
+  void bind(const Kernel& kernel, const Rows& rows, const Buffer& frame, const Buffer& in);
+};
+
+void Kernels::Parts::bind(const Kernel& kernel, const Rows& rows, const Buffer& frame, const Buffer& in) {
+  const vk::DescriptorPoolSize sizes[] = {{vk::DescriptorType::eStorageBuffer, gpu::kBindCount},
+                                          {vk::DescriptorType::eStorageTexelBuffer, kRowArrays}};
+  set.reset();
+  pool.emplace(device.vulkan(),
+               vk::DescriptorPoolCreateInfo(vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet, 1, sizes));
+  vk::raii::DescriptorSets sets(device.vulkan(), vk::DescriptorSetAllocateInfo(**pool, **kernel.setLayout));
+  set.emplace(std::move(sets[0]));
+  std::array<vk::DescriptorBufferInfo, gpu::kBindCount> infos;
+  std::vector<vk::WriteDescriptorSet> writes;
+  for (uint i = 0; i < gpu::kBindCount; ++i) {
+    if (!isBound(i)) continue;
+    const Buffer& buffer = i == gpu::kBindFrame   ? frame
+                           : i == gpu::kBindGiven ? in
+                           : i == gpu::kBindFound ? found
+                                                  : rows.arrays[i - gpu::kBindNodes];
+    vk::WriteDescriptorSet write(**set, i, 0, 1, typeOf(i, fetch));
+    if (write.descriptorType == vk::DescriptorType::eStorageTexelBuffer) write.pTexelBufferView = &**buffer.texels;
+    infos[i] = vk::DescriptorBufferInfo(**buffer.buffer, 0, i == gpu::kBindGiven ? in.size : buffer.size);
+    write.pBufferInfo = &infos[i];
+    writes.push_back(write);
+  }
+  device.vulkan().updateDescriptorSets(writes, {});
+}
+
+Kernels::Kernels() : parts_(std::make_unique<Parts>()) {
+  parts_->naiveStep = makeKernel(parts_->device, parts_->fetch, "naive.comp", {});
+}
+Kernels::~Kernels() = default;
+
+std::string Kernels::deviceName() const {
+  return parts_->device.info().name;
+}
+
+const Scene& Kernels::local() const {
+  return parts_->local;
+}
+
+void Kernels::setLeastDistance(float least) {
+  parts_->naive.frame.background.x = least;
+}
+
+void Kernels::setScene(const Scene& world) {
+  setScene(world, [](std::span<const Box> boxes, size_t first, const BvhLimits& limits) {
+    return buildBvh(boxes, first, limits);
+  });
+}
+
+void Kernels::setScene(const Scene& world, Bvh (*build)(std::span<const Box>, size_t, const BvhLimits&)) {
+  Parts& parts = *parts_;
+  Scene local = roundScene(world);
+  checkReach(local);
+  const Shapes shapes = shapesOf(local);
+  RenderSettings settings;
+  settings.width = settings.height = 8;
+  settings.crop = {0, 0, 8, 8};
+  const PackedScene packed = packScene(shapes, build(shapes.boxes, shapes.firstPair(), {}), settings, Cubes::wholeTree);
+  parts.features = packed.features;
+  parts.turner.frame = packFrame(packed.view, settings, 1);
+  const auto set = [&](uint binding, std::span<const std::byte> bytes) {
+    parts.setArray(parts.turner, binding, bytes);
+  };
+  set(gpu::kBindNodes, bytesOf(packed.nodes));
+  set(gpu::kBindPrimitives, bytesOf(packed.primitives));
+  set(gpu::kBindVertexNormals, bytesOf(packed.vertexNormals));
+  set(gpu::kBindMaterials, bytesOf(packed.materials));
+  set(gpu::kBindLights, bytesOf(packed.lights));
+  set(gpu::kBindCubes, bytesOf(packed.cubes));
+
+  const NaiveScene naive = naiveScene(local);
+  for (uint i = gpu::kBindNodes; i < gpu::kBindCount; ++i) parts.setArray(parts.naive, i, {});
+  parts.setArray(parts.naive, gpu::kBindNodes, bytesOf(naive.nodes));
+  parts.setArray(parts.naive, gpu::kBindPrimitives, bytesOf(naive.primitives));
+  parts.setArray(parts.naive, gpu::kBindMaterials, bytesOf(packed.materials));
+  parts.naive.frame.centreHi.w = naive.primitives.empty() ? gpu::kRefNone : 0;
+
+  const Features &a = parts.features, &b = parts.stepFeatures;
+  if (!parts.step || a.spheres != b.spheres || a.triangles != b.triangles || a.smoothNormals != b.smoothNormals) {
+    parts.step = makeKernel(parts.device, parts.fetch, "step.comp", parts.features);
+    parts.stepFeatures = parts.features;
+  }
+  parts.local = std::move(local);
+}
+
+std::vector<Found> Kernels::trace(std::span<const Query> queries, Tracer tracer) {
+  Parts& parts = *parts_;
+  if (!parts.step) throw RunError("no scene to trace rays in");
+  const Kernel& kernel = tracer == Tracer::turner ? *parts.step : *parts.naiveStep;
+  const Rows& rows = tracer == Tracer::turner ? parts.turner : parts.naive;
+  const Buffer frame = parts.device.upload(std::as_bytes(std::span(&rows.frame, 1)), "frame");
+  std::vector<Found> result;
+  result.reserve(queries.size());
+  for (size_t begin = 0; begin < queries.size(); begin += kBatch) {
+    const size_t count = std::min(kBatch, queries.size() - begin);
+    Row* const given = reinterpret_cast<Row*>(parts.given.mapped);
+    for (size_t i = 0; i < count; ++i) {
+      const Query& query = queries[begin + i];
+      given[gpu::kGivenRows * i + gpu::kGivenOrigin] = rowOf(query.ray.origin, query.ray.leaving);
+      given[gpu::kGivenRows * i + gpu::kGivenDirection] = rowOf(query.ray.direction, std::bit_cast<uint>(query.end));
+      given[gpu::kGivenRows * i + gpu::kGivenNext] = rowOf(query.target, uint(query.next));
+    }
+    // The kernel takes the number of its rays from the size of this binding.
+    Buffer bound;
+    bound.size = count * gpu::kGivenRows * sizeof(Row);
+    std::swap(bound.buffer, parts.given.buffer);
+    parts.bind(kernel, rows, frame, bound);
+    std::swap(bound.buffer, parts.given.buffer);
+    parts.device.run([&](const vk::raii::CommandBuffer& commands) {
+      commands.bindPipeline(vk::PipelineBindPoint::eCompute, **kernel.pipeline);
+      commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, **kernel.layout, 0, **parts.set, {});
+      commands.dispatch(uint((count + kWorkGroup - 1) / kWorkGroup), 1, 1);
+      const vk::MemoryBarrier done(vk::AccessFlagBits::eShaderWrite, vk::AccessFlagBits::eHostRead);
+      commands.pipelineBarrier(vk::PipelineStageFlagBits::eComputeShader, vk::PipelineStageFlagBits::eHost, {}, done,
+                               {}, {});
+    });
+    throwIfInvalid();
+    const Row* const found = reinterpret_cast<const Row*>(parts.found.mapped);
+    const auto vec = [](const Row& row) { return glm::vec3(row.x, row.y, row.z); };
+    for (size_t i = 0; i < count; ++i) {
+      const Row* const row = found + gpu::kFoundRows * i;
+      const Row &hit = row[gpu::kFoundHit], &point = row[gpu::kFoundPoint], &Ng = row[gpu::kFoundNg];
+      const Row &leaving = row[gpu::kFoundLeavingOrigin], &direction = row[gpu::kFoundLeavingDirection];
+      if (hit.w & gpu::kFoundUnfinished)
+        throw RunError("ray " + std::to_string(begin + i) + " did not come to its end within the budget");
+      const bool hits = std::bit_cast<uint>(hit.y) != gpu::kRefNone;
+      result.push_back({.t = hit.x,
+                        .id = hits ? std::bit_cast<uint>(hit.z) : kNothing,
+                        .front = (hit.w & gpu::kFoundFront) != 0,
+                        .point = vec(point),
+                        .margin = std::bit_cast<float>(point.w),
+                        .Ng = vec(Ng),
+                        .Ns = vec(row[gpu::kFoundNs]),
+                        .material = Ng.w,
+                        .leaves = (hit.w & gpu::kFoundLeaves) != 0,
+                        .leaving = {vec(leaving), vec(direction), leaving.w}});
+    }
+  }
+  return result;
+}
+
+}  // namespace turner::hard

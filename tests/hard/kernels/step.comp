@@ -1,0 +1,80 @@
+// One step along a path of rays, by the renderer's own functions: a ray's nearest hit (or any hit before a distance)
+// through the whole tree, the surface there, and the ray that leaves it. One invocation, one ray.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "../../../shaders/layout.h"
+#include "../../../shaders/features.glsl"
+#include "step.h"
+
+layout(local_size_x_id = kSpecWorkGroup, local_size_y = 1, local_size_z = 1) in;
+layout(std430, binding = kBindFrame) readonly buffer FrameBuffer { Frame frameInMemory; };
+layout(std430, binding = kBindGiven) readonly buffer GivenBuffer { Row given[]; };
+layout(std430, binding = kBindFound) writeonly buffer FoundBuffer { Row found[]; };
+
+vec3 xyz(const Row row) { return uintBitsToFloat(row.xyz); }
+
+Frame frame;
+uint root;
+Row nodesVisited, primitivesVisited;
+
+#include "../../../shaders/fetch.glsl"
+#include "../../../shaders/numerics.glsl"
+#include "../../../shaders/intersect.glsl"
+#include "../../../shaders/cube.glsl"
+#include "../../../shaders/traverse.glsl"
+#include "../../../shaders/shade.glsl"
+
+Row packRow(const vec3 v, const uint w) { return Row(floatBitsToUint(v), w); }
+
+void main() {
+  uint i = gl_GlobalInvocationID.x;
+  frame = frameInMemory;
+  root = frame.centreHi.w;
+  if (i >= given.length() / kGivenRows) return;
+  Row origin = given[kGivenRows * i + kGivenOrigin], direction = given[kGivenRows * i + kGivenDirection],
+      next = given[kGivenRows * i + kGivenNext];
+  Ray ray = Ray(xyz(origin), xyz(direction), origin.w);
+  RayFactors factors = rayFactors(ray.direction);
+  Walk walk = walkFromRoot();
+  float end = uintBitsToFloat(direction.w);  // a shadow ray's; 0: the nearest hit is wanted
+  if (end > 0.0) walk.tMax = end;
+  int budget = int(BUDGET);
+  if (end > 0.0)
+    continueWalk(ray, factors, true, true, 0u, 1.0, walk, budget);
+  else
+    continueWalk(ray, factors, false, true, 0u, 1.0, walk, budget);
+
+  Surface surface = Surface(vec3(0), vec3(0), vec3(0), false, false, 0.0, 0u);
+  Ray leaving = Ray(vec3(0), vec3(0), kRefNone);
+  bool leaves = false;
+  if (walk.hit != kRefNone && end == 0.0) {
+    surface = surfaceAt(ray, factors, walk.tMax, walk.hit);
+    if (next.w == kNextDirection) {
+      leaving = leaveSurface(surface, walk.hit, xyz(next), dot(xyz(next), surface.Ng) > 0.0);
+      leaves = true;
+    }
+    if (next.w == kNextLight) {
+      leaving = leaveSurface(surface, walk.hit, vec3(0), true);
+      leaving.direction = xyz(next) - leaving.origin;
+      leaves = facesLight(surface, xyz(next));
+    }
+    if (next.w == kNextReflected) {
+      leaving = leaveSurface(surface, walk.hit, reflection(surface, ray.direction), true);
+      leaves = true;
+    }
+    if (next.w == kNextTransmitted) {
+      vec3 T;
+      float ior = indexOfRefraction(materialRows(surface.material));
+      leaves = transmission(surface, ray.direction, ior, T);
+      leaving = leaveSurface(surface, walk.hit, T, false);
+    }
+  }
+  uint flags = (isOver(walk) ? 0u : kFoundUnfinished) | (surface.front ? kFoundFront : 0u) | (leaves ? kFoundLeaves : 0u);
+  uint row = kFoundRows * i;
+  found[row + kFoundHit] = Row(floatBitsToUint(walk.tMax), walk.hit, walk.hitId, flags);
+  found[row + kFoundPoint] = packRow(surface.point, floatBitsToUint(surface.margin));
+  found[row + kFoundNg] = packRow(surface.Ng, surface.material);
+  found[row + kFoundNs] = packRow(surface.Ns, 0u);
+  found[row + kFoundLeavingOrigin] = packRow(leaving.origin, leaving.leaving);
+  found[row + kFoundLeavingDirection] = packRow(leaving.direction, 0u);
+}
