@@ -15,3 +15,5 @@ layout(constant_id = kSpecNearestNodes) const bool NEAREST_NODES = true;
 layout(constant_id = kSpecShadowNodes) const bool SHADOW_NODES = true;
 layout(constant_id = kSpecBudget) const uint BUDGET = 1u;
 layout(constant_id = kSpecFresh) const bool FRESH = true;
+layout(constant_id = kSpecNearSpheres) const bool NEAR_SPHERES = true;
+layout(constant_id = kSpecFarSpheres) const bool FAR_SPHERES = true;

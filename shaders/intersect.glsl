@@ -15,8 +15,8 @@ struct RayFactors {
   uvec3 nearShift;  // where a node's planes that the ray meets first lie: 0 the lower ones, 8 the upper ones
   int axis;         // of the largest component of the direction, for triangles
   vec3 shear;       // Woop's S_x, S_y, S_z
-  float norm;            // |direction|, for spheres
-  float inverseSquared;  // 1 / |direction|^2
+  float norm;       // |direction|, for spheres
+  float inverseNorm;
 };
 
 // The three components with axis z last, in cyclic order.
@@ -33,30 +33,129 @@ RayFactors rayFactors(const vec3 direction) {
   factors.axis = magnitude.x > magnitude.y ? (magnitude.x > magnitude.z ? 0 : 2) : (magnitude.y > magnitude.z ? 1 : 2);
   vec3 d = turn(direction, factors.axis);
   factors.shear = vec3(d.x / d.z, d.y / d.z, 1.0 / d.z);
-  float squared = dot(direction, direction);
-  factors.norm = sqrt(squared);
-  factors.inverseSquared = 1.0 / squared;
+  factors.norm = length(direction);
+  factors.inverseNorm = 1.0 / factors.norm;
   return factors;
 }
 
-// Distance to a sphere, or kNoHit. The discriminant comes from the distance of the centre to the ray, and the smaller
-// root from the product of the roots (Haines, Guenther, Akenine-Moeller, Ray Tracing Gems ch. 7).
-float hitSphere(const Ray ray, const RayFactors factors, const vec3 center, const float radius, const bool leavesIt) {
-  vec3 f = ray.origin - center;
-  float b = -dot(f, ray.direction), middle = b * factors.inverseSquared;
+// A sphere as the kernel has it. Where the eye is near its surface, the host gives what its center loses to float, and
+// the eye's power |center|^2 - radius^2, computed in wider arithmetic: rounded to float, center and radius would no
+// longer tell on which side of the surface the eye is.
+struct SphereRows {
+  vec3 center;
+  float radius;
+  bool nearEye;
+  vec3 centerRest;
+  vec2 power;  // of the eye, the sum of two floats
+};
+
+SphereRows sphereOf(const Row center, const Row tags) {
+  SphereRows sphere = SphereRows(xyz(center), uintBitsToFloat(center.w), false, vec3(0), vec2(0));
+  if (NEAR_SPHERES && (tags.y & kNearEye) != 0u) {
+    Row rest = ROW(materials, tags.z);
+    sphere.nearEye = true;
+    sphere.centerRest = xyz(rest);
+    sphere.power = uintBitsToFloat(uvec2(tags.w, rest.w));
+  }
+  return sphere;
+}
+
+// The power |p - center|^2 - radius^2 of a point as the sum of two floats: near the surface twice the radius times the
+// height above it. With the power of the anchor, which is the eye or else the center, and u = p - anchor,
+// w = center - anchor, it is that + u.(u - 2 w).
+vec2 powerOf(const SphereRows sphere, const vec3 p) {
+  vec2 power = sphere.power;
+  if (!sphere.nearEye) {
+    power.x = -twoProduct(sphere.radius, sphere.radius, power.y);
+    power.y = -power.y;
+  }
+  vec3 uRest, vRest;
+  vec3 u = twoSum(p, sphere.nearEye ? vec3(0) : -sphere.center, uRest);
+  vec3 v = twoSum(u, sphere.nearEye ? -2.0 * sphere.center : vec3(0), vRest);
+  precise vec3 allVRest = (vRest + uRest) - 2.0 * sphere.centerRest;
+  vec2 product = wideDot(u, uRest, v, allVRest);
+  float rest, normalizedRest;
+  float sum = twoSum(power.x, product.x, rest);
+  precise float small = rest + (power.y + product.y);
+  sum = twoSum(sum, small, normalizedRest);
+  return vec2(sum, normalizedRest);
+}
+
+// The smallest positive t at which a ray enters or leaves a sphere, or kNoHit. b: distance along the ray to the foot of
+// the perpendicular from the center; c: power of the origin; halfChord: between the foot and the surface; norm: of the
+// direction, in units of which t counts. One root is q / norm, without cancellation; the other comes from the product of
+// the roots (Haines, Guenther, Akenine-Moeller, Ray Tracing Gems ch. 7). From outside, where c > 0, that is the nearer
+// one; from inside the roots have different signs.
+float nearestRoot(const float b, const float c, const float halfChord, const float norm) {
+  float q = b >= 0.0 ? b + halfChord : b - halfChord;
+  bool isOther = c > 0.0 || b < 0.0;
+  float t = (isOther ? c : q) / (isOther ? q * norm : norm);
+  return t > 0.0 ? t : kNoHit;
+}
+
+// For rays that start near the surface, where c is the small difference of two squares, and the discriminant is one at
+// the horizon: all with twice the digits.
+float hitNearSphere(const Ray ray, const RayFactors factors, const SphereRows sphere) {
+  // A shadow ray is as long as its light is far: scaled by a power of two, its squares stay within float.
+  float scale = uintBitsToFloat(0x7f000000u - (floatBitsToUint(factors.norm) & 0x7f800000u));
+  vec3 d = scale * ray.direction, gRest;
+  vec3 g = twoSum(sphere.center, -ray.origin, gRest);
+  gRest += sphere.centerRest;
+  vec2 a = wideDot(d, vec3(0), d, vec3(0)), b = wideDot(d, vec3(0), g, gRest), c = powerOf(sphere, ray.origin);
+  float discriminant = wideDifferenceOfProducts(b, b, a, c).x;
+  float norm = sqrt(a.x);
+  float t = scale * nearestRoot(b.x / norm, c.x, sqrt(greater(discriminant, 0.0)) / norm, norm);
+  return discriminant < 0.0 ? kNoHit : t;
+}
+
+// The perpendicular from the center of a sphere to a ray, o - c + t d with about the t of its foot. Of a sphere that is
+// many radii away the sum cancels, so that its terms need twice the digits.
+vec3 distantPerpendicular(const Ray ray, const RayFactors factors, const vec3 center, const float t) {
+  vec3 fRest, productRest, sumRest, product;
+  vec3 f = twoSum(ray.origin, -center, fRest);
+  product.x = twoProduct(t, ray.direction.x, productRest.x);
+  product.y = twoProduct(t, ray.direction.y, productRest.y);
+  product.z = twoProduct(t, ray.direction.z, productRest.z);
+  vec3 sum = twoSum(f, product, sumRest);
+  precise vec3 perpendicular = sum + (sumRest + (fRest + productRest));
+  // The rounding of t has moved the foot along the ray: take back what is not perpendicular.
+  vec3 direction = factors.inverseNorm * ray.direction;
+  return perpendicular - dot(perpendicular, direction) * direction;
+}
+
+// Distance to a sphere, or kNoHit.
+float hitSphere(const Ray ray, const RayFactors factors, const SphereRows sphere, const bool leavesIt) {
+  vec3 f = ray.origin - sphere.center;
+  float b = -dot(f, ray.direction) * factors.inverseNorm, middle = b * factors.inverseNorm;
+  // The discriminant from the distance of the center to the ray (ibid.).
   vec3 perpendicular = f + middle * ray.direction;
-  float discriminant = radius * radius - dot(perpendicular, perpendicular);
-  float c = dot(f, f) - radius * radius;
-  // A shadow ray is as long as its light is far: no product of squares.
-  float root = factors.norm * sqrt(greater(discriminant, 0.0));
-  float q = b >= 0.0 ? b + root : b - root;
-  // Where q is 0, so is c, and the ray touches the sphere where it starts.
-  float t0 = q == 0.0 ? 0.0 : c / q, t1 = q * factors.inverseSquared;
-  float near = lesser(t0, t1), far = greater(t0, t1);
-  float t = discriminant < 0.0 ? kNoHit : near > 0.0 ? near : far > 0.0 ? far : kNoHit;
+  if (FAR_SPHERES) perpendicular = distantPerpendicular(ray, factors, sphere.center, middle);
+  float squaredRadius = sphere.radius * sphere.radius;
+  float discriminant = squaredRadius - dot(perpendicular, perpendicular);
+  float c = dot(f, f) - squaredRadius;
+  float t = nearestRoot(b, c, sqrt(greater(discriminant, 0.0)), factors.norm);
+  if (discriminant < 0.0) t = kNoHit;
+  if (NEAR_SPHERES && abs(c) <= 0.5 * squaredRadius && !leavesIt) t = hitNearSphere(ray, factors, sphere);
   // A ray that starts on the sphere: one root is exactly 0, the other 2b/a. Outward it never returns, however grazing.
   float second = (ray.leaving & kLeavesInward) != 0u ? greater(2.0 * middle, 0.0) : kNoHit;
   return leavesIt ? second : t;
+}
+
+// Whether a point that is not on the sphere is outside of it, as hitSphere sees it.
+bool isOutside(const SphereRows sphere, const vec3 p) {
+  if (NEAR_SPHERES) return powerOf(sphere, p).x > 0.0;
+  vec3 f = p - sphere.center;
+  return dot(f, f) - sphere.radius * sphere.radius > 0.0;
+}
+
+// The unit vector from the center of a distant sphere to where a ray hits it. With the perpendicular goes half a chord,
+// toward the origin of the ray or away from it: more digits than o + t d has.
+vec3 distantOutward(const Ray ray, const RayFactors factors, const SphereRows sphere, const bool fromOutside) {
+  float foot = -dot(ray.origin - sphere.center, ray.direction) * factors.inverseNorm * factors.inverseNorm;
+  vec3 perpendicular = distantPerpendicular(ray, factors, sphere.center, foot);
+  float squared = sphere.radius * sphere.radius - dot(perpendicular, perpendicular);
+  float halfChord = (fromOutside ? -factors.inverseNorm : factors.inverseNorm) * sqrt(greater(squared, 0.0));
+  return normalize(perpendicular + halfChord * ray.direction);
 }
 
 // A vertex as the ray sees it (Woop, Benthin, Wald, JCGT 2(1), 2013): x and y across the ray, z its distance, measured

@@ -73,7 +73,9 @@ TURNER_CONST kSpecNearestNodes = 13u;  // walks for the nearest hit meet nodes, 
 TURNER_CONST kSpecShadowNodes = 14u;   // shadow rays do
 TURNER_CONST kSpecBudget = 15u;        // iterations of an invocation's loops in one dispatch; not a boolean
 TURNER_CONST kSpecFresh = 16u;         // the first pass over a tile: there is no work to take up; a boolean
-TURNER_CONST kSpecCount = 17u;
+TURNER_CONST kSpecNearSpheres = 17u;   // a sphere whose surface the eye is near; a boolean
+TURNER_CONST kSpecFarSpheres = 18u;    // a sphere that is many radii away from the eye; a boolean
+TURNER_CONST kSpecCount = 19u;
 
 // --- bindings -------------------------------------------------------------------------------------------------------
 TURNER_CONST kBindFrame = 0u;
@@ -129,7 +131,15 @@ struct Node {
 // Shapes stand in the order of the leaves.
 struct Sphere {
   Row center;  // w: radius (float); negative: the surface faces inward
-  Row tags;    // x: id, y: material (integers in a row's float places, by their bits)
+  // x: id, y: material (integers in a row's float places, by their bits). Where the eye is near the surface (kNearEye
+  // in y) z: row of its NearSphere among the materials, w (float): the eye's power |center|^2 - radius^2.
+  Row tags;
+};
+TURNER_CONST kNearEye = 0x80000000u;
+
+// What a sphere's center and the eye's power lose to float; behind the materials.
+struct NearSphere {
+  Row centerRest;  // w: rest of the power (float)
 };
 
 // Two triangles that share an edge: v0 v1 v2 and v3 v2 v1, seen counter-clockwise from their fronts. One that is alone
@@ -211,6 +221,7 @@ static_assert(sizeof(Frame) == 208);
 static_assert(sizeof(Tile) == 32);
 static_assert(sizeof(Node) == 32);
 static_assert(sizeof(Sphere) == kSphereUnits * kUnitRows * sizeof(Row));
+static_assert(sizeof(NearSphere) == 16);
 static_assert(sizeof(TrianglePair) == kPairUnits * kUnitRows * sizeof(Row));
 static_assert(sizeof(VertexNormals) == 48);
 static_assert(sizeof(Material) == 48);

@@ -16,6 +16,14 @@ float twoSum(const float a, const float b, out float rest) {
   return sum;
 }
 
+vec3 twoSum(const vec3 a, const vec3 b, out vec3 rest) {
+  vec3 sum;
+  sum.x = twoSum(a.x, b.x, rest.x);
+  sum.y = twoSum(a.y, b.y, rest.y);
+  sum.z = twoSum(a.z, b.z, rest.z);
+  return sum;
+}
+
 // a * b = product + rest, exactly (Dekker 1971, split by Veltkamp's constant 2^12 + 1). Not by fma(), which Vulkan lets a
 // driver round twice.
 float twoProduct(const float a, const float b, out float rest) {
@@ -29,6 +37,33 @@ float twoProduct(const float a, const float b, out float rest) {
   precise float restExact = ((aHi * bHi - product) + aHi * bLo + aLo * bHi) + aLo * bLo;
   rest = restExact;
   return product;
+}
+
+// a.b + (aRest.b + a.bRest) as the sum of two floats, the second a rounding of the first: about twice float's digits
+// (Ogita, Rump and Oishi, SIAM J. Sci. Comput. 26(6), 2005, algorithm Dot2).
+vec2 wideDot(const vec3 a, const vec3 aRest, const vec3 b, const vec3 bRest) {
+  vec3 products, productRests;
+  products.x = twoProduct(a.x, b.x, productRests.x);
+  products.y = twoProduct(a.y, b.y, productRests.y);
+  products.z = twoProduct(a.z, b.z, productRests.z);
+  float sumRest0, sumRest1, rest;
+  float sum = twoSum(twoSum(products.x, products.y, sumRest0), products.z, sumRest1);
+  precise vec3 crosses = aRest * b + a * bRest;
+  precise float small = (sumRest0 + sumRest1) + (((productRests.x + productRests.y) + productRests.z) +
+                                                 ((crosses.x + crosses.y) + crosses.z));
+  sum = twoSum(sum, small, rest);
+  return vec2(sum, rest);
+}
+
+// a b - c d likewise, each factor such a sum.
+vec2 wideDifferenceOfProducts(const vec2 a, const vec2 b, const vec2 c, const vec2 d) {
+  float abRest, cdRest, differenceRest, rest;
+  float ab = twoProduct(a.x, b.x, abRest), cd = twoProduct(c.x, d.x, cdRest);
+  float difference = twoSum(ab, -cd, differenceRest);
+  precise float small =
+      differenceRest + ((abRest - cdRest) + ((a.x * b.y + a.y * b.x) - (c.x * d.y + c.y * d.x)));
+  float sum = twoSum(difference, small, rest);
+  return vec2(sum, rest);
 }
 
 // Adds a term to a compensated sum (Kahan 1965).

@@ -41,17 +41,26 @@ Surface surfaceAt(const Ray ray, const RayFactors factors, const float t, const 
   surface.outside = true;
   Row row0 = ROW(primitives, row), row1 = ROW(primitives, row + 1u);
   if (SPHERES && (primitive & kRefTriangle) == 0u) {
-    vec3 center = xyz(row0);
-    float radius = uintBitsToFloat(row0.w);
-    vec3 outward = normalize(ray.origin + t * ray.direction - center);
+    SphereRows sphere = sphereOf(row0, row1);
+    // By where the ray starts, not by its angle: at the silhouette that is within its rounding.
+    bool leavesIt = (ray.leaving & ~kLeavesInward) == primitive;
+    surface.outside = !leavesIt && isOutside(sphere, ray.origin);
+    vec3 point = ray.origin + t * ray.direction;
+    vec3 outward =
+        FAR_SPHERES ? distantOutward(ray, factors, sphere, surface.outside) : normalize(point - sphere.center);
     // Put the point back on the sphere: the error of o + t d grows with t.
-    surface.point = center + abs(radius) * outward;
-    surface.outside = dot(outward, V) > 0.0;
+    surface.point = sphere.center + abs(sphere.radius) * outward;
     // The sphere itself is left exactly, by its root; this is for one that coincides with it.
-    surface.margin = 2.0 * kRounding * (largest(abs(center)) + abs(radius));
-    surface.Ng = radius < 0.0 ? -outward : outward;
+    surface.margin = 2.0 * kRounding * (largest(abs(sphere.center)) + abs(sphere.radius));
+    if (NEAR_SPHERES && sphere.nearEye) {
+      // The center is far away and rounded. Newton's step to where the power is 0 keeps the digits of the point.
+      surface.point = point - (0.5 * powerOf(sphere, point).x / abs(sphere.radius)) * outward;
+      surface.margin = 4.0 * kRounding * largest(abs(surface.point));
+    }
+    surface.front = surface.outside != (sphere.radius < 0.0);
+    surface.Ng = surface.outside ? outward : -outward;
     surface.Ns = surface.Ng;
-    surface.material = row1.y;
+    surface.material = row1.y & ~kNearEye;
   }
   if (TRIANGLES && (primitive & kRefTriangle) != 0u) {
     uint isSecond = (primitive & kRefSecond) != 0u ? 1u : 0u;
@@ -81,11 +90,11 @@ Surface surfaceAt(const Ray ray, const RayFactors factors, const float t, const 
       if (squared > 0.0) surface.Ns = Ns * inversesqrt(squared);
       if (dot(surface.Ng, surface.Ns) < 0.0) surface.Ng = -surface.Ng;
     }
-  }
-  surface.front = dot(surface.Ng, V) > 0.0;
-  if (!surface.front) {
-    surface.Ng = -surface.Ng;
-    surface.Ns = -surface.Ns;
+    surface.front = dot(surface.Ng, V) > 0.0;
+    if (!surface.front) {
+      surface.Ng = -surface.Ng;
+      surface.Ns = -surface.Ns;
+    }
   }
   if (dot(surface.Ns, V) <= 0.0) surface.Ns = surface.Ng;
   return surface;

@@ -104,7 +104,7 @@ Meeting meetSphere(const Ray ray, const RayFactors factors, const uint primitive
   uint row = kUnitRows * primitive;
   Row center = ROW(primitives, row + kSphereCenter), tags = ROW(primitives, row + kSphereTags);
   bool leavesIt = (ray.leaving & ~kLeavesInward) == primitive;
-  return Meeting(hitSphere(ray, factors, xyz(center), uintBitsToFloat(center.w), leavesIt), primitive, tags.x, false, 1u);
+  return Meeting(hitSphere(ray, factors, sphereOf(center, tags), leavesIt), primitive, tags.x, false, 1u);
 }
 
 // `pair` has kRefSecond where the first triangle has been met already.

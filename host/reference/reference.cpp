@@ -129,6 +129,11 @@ double nearestRoot(Real b, Real c, Real D) {
   return t0 > 0 ? t0 : t1 > 0 ? t1 : kFarAway;
 }
 
+// Of the scene's spheres those of a rounded scene have a radius with more digits than a double's.
+long double wideRadius(const Sphere& sphere) {
+  return (long double)(sphere.radius) + sphere.radiusRest;
+}
+
 // The distance at which the ray hits the sphere, or kFarAway.
 double hitSphere(const Ray& ray, const Sphere& sphere, bool startsOnIt) {
   const dvec3 f = ray.origin - sphere.center;
@@ -149,7 +154,8 @@ double hitSphere(const Ray& ray, const Sphere& sphere, bool startsOnIt) {
   const wide3 wideF = wide3(ray.origin) - wide3(sphere.center), d(ray.direction);
   const long double dd = glm::dot(d, d);
   const long double wideB = glm::dot(wideF, d) / dd;
-  const long double wideC = (glm::dot(wideF, wideF) - (long double)(sphere.radius) * sphere.radius) / dd;
+  const long double radius = wideRadius(sphere);
+  const long double wideC = (glm::dot(wideF, wideF) - radius * radius) / dd;
   return nearestRoot(wideB, wideC, wideB * wideB - wideC);
 }
 
@@ -296,7 +302,7 @@ class World {
     // Put x back on the sphere: one Newton step, in the wider type as the centre may be far away.
     wide3 x = wide3(ray.origin) + (long double)(hit.t) * wide3(ray.direction);
     wide3 f = x - wide3(sphere.center);
-    const long double squaredRadius = (long double)(sphere.radius) * sphere.radius;
+    const long double squaredRadius = wideRadius(sphere) * wideRadius(sphere);
     x -= f * ((glm::dot(f, f) - squaredRadius) / (2 * squaredRadius));
 
     Surface surface;

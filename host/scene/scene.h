@@ -40,6 +40,7 @@ struct Sphere {
   glm::dvec3 center{0, 0, 0};
   double radius = 1;  // negative (NFF only): the surface faces inward, Ng = (p - center) / radius
   uint32_t material = 0;
+  double radiusRest = 0;  // the radius is the unevaluated sum of both: only roundScene needs that
 };
 
 inline constexpr uint32_t kNoNormals = UINT32_MAX;

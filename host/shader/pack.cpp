@@ -66,6 +66,24 @@ Row planeRow(const Triangle& triangle) {
 }
 
 // `normals`: where its vertex normals stand in the packed scene.
+gpu::Sphere packSphere(const Sphere& sphere, uint id) {
+  return {row(sphere.center, sphere.radius), {std::bit_cast<float>(id), std::bit_cast<float>(sphere.material), 0, 0}};
+}
+
+// The same of one that the eye is near; its NearSphere is at this row among the materials.
+gpu::Sphere packNearSphere(const Sphere& sphere, uint id, uint restRow) {
+  gpu::Sphere packed = packSphere(sphere, id);
+  packed.tags.y = std::bit_cast<float>(sphere.material | gpu::kNearEye);
+  packed.tags.z = std::bit_cast<float>(restRow);
+  packed.tags.w = std::bit_cast<uint>(float(eyePower(sphere)));
+  return packed;
+}
+
+gpu::NearSphere nearSphereOf(const Sphere& sphere) {
+  const long double power = eyePower(sphere);
+  return {rowRest(sphere.center, std::bit_cast<uint>(float(power - float(power))))};
+}
+
 gpu::TrianglePair packPair(const Shapes& shapes, const TrianglePair& pair, uint normals) {
   const std::vector<Triangle>& triangles = shapes.scene.triangles;
   const uint firstId = uint(shapes.firstPair());
@@ -233,6 +251,13 @@ PackedScene packScene(const Shapes& shapes, const Bvh& bvh, const RenderSettings
     const TrianglePair& pair = shapes.pairs[shape - sphereCount];
     if (local.triangles[pair.first].normals != kNoNormals) normalsPlace += pair.isAlone() ? 1 : 2;
   }
+  std::vector<uint> nearSpheres;
+  for (uint i = 0; i < sphereCount; ++i) {
+    if (isNearEye(local.spheres[i])) nearSpheres.push_back(i);
+    packed.features.farSpheres |= isFarFromEye(local.spheres[i]);
+  }
+  packed.features.nearSpheres = !nearSpheres.empty();
+  const uint nearSphereRow = gpu::kMaterialRows * uint(local.materials.size());
   // The kernel may look for all of a pair behind a last sphere.
   makeRoom(packed.primitives, gpu::kUnitRows * (place + gpu::kPairUnits));
   packed.primitives.resize(gpu::kUnitRows * (place + gpu::kPairUnits));
@@ -243,8 +268,11 @@ PackedScene packScene(const Shapes& shapes, const Bvh& bvh, const RenderSettings
     Row* const rows = &packed.primitives[gpu::kUnitRows * (references[i] & gpu::kRefPlaceMask)];
     if (shape < sphereCount) {
       const Sphere& sphere = local.spheres[shape];
-      const gpu::Sphere packedSphere{row(sphere.center, sphere.radius),
-                                     {std::bit_cast<float>(shape), std::bit_cast<float>(sphere.material), 0, 0}};
+      const auto near = std::lower_bound(nearSpheres.begin(), nearSpheres.end(), shape);
+      const gpu::Sphere packedSphere =
+          near == nearSpheres.end() || *near != shape
+              ? packSphere(sphere, shape)
+              : packNearSphere(sphere, shape, nearSphereRow + uint(near - nearSpheres.begin()));
       std::memcpy(rows, &packedSphere, sizeof packedSphere);
       return;
     }
@@ -266,8 +294,10 @@ PackedScene packScene(const Shapes& shapes, const Bvh& bvh, const RenderSettings
   if (!bvh.order.empty()) packed.view.root = bvh.root.count > 0 ? leafReference(bvh.root, references) : bvh.root.first;
 
   for (const Material& material : local.materials)
-    packed.materials.push_back({row(material.diffuse, material.reflect), row(material.specular, material.transmit),
-                                row({material.shininess, material.ior, material.localWeight})});
+    for (const Row& part : {row(material.diffuse, material.reflect), row(material.specular, material.transmit),
+                            row({material.shininess, material.ior, material.localWeight})})
+      packed.materials.push_back(part);
+  for (const uint i : nearSpheres) packed.materials.push_back(nearSphereOf(local.spheres[i]).centerRest);
   for (const Light& light : local.lights)
     packed.lights.push_back({row(light.position, uint(light.falloff == Falloff::inverseSquare)), row(light.color)});
 

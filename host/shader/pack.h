@@ -18,6 +18,8 @@ struct Features {
   uint32_t lights = 0;
   bool spheres = false, triangles = false, smoothNormals = false, highlights = false;
   bool reflection = false, refraction = false, falloff = false;
+  bool nearSpheres = false;                        // a sphere whose surface the eye is near, compared with its radius
+  bool farSpheres = false;                         // a sphere many radii away from the eye
   bool nearestNodes = false, shadowNodes = false;  // whether walks meet nodes, or primitives alone
 };
 
@@ -35,7 +37,7 @@ struct PackedScene {
   std::vector<gpu::Node> nodes;
   std::vector<gpu::Row> primitives;  // gpu::Sphere and gpu::Triangle, in the order of the leaves
   std::vector<gpu::VertexNormals> vertexNormals;
-  std::vector<gpu::Material> materials;
+  std::vector<gpu::Row> materials;  // gpu::Material, then gpu::NearSphere
   std::vector<gpu::Light> lights;
   std::vector<gpu::Row> cubes;  // of the eye and of each light
   View view;

@@ -99,6 +99,8 @@ Pipeline makePipeline(const Device& device, const Spirv& kernel, const Features&
   constants[gpu::kSpecShadowNodes] = features.shadowNodes;
   constants[gpu::kSpecBudget] = budget;
   constants[gpu::kSpecFresh] = fresh;
+  constants[gpu::kSpecNearSpheres] = features.nearSpheres;
+  constants[gpu::kSpecFarSpheres] = features.farSpheres;
   std::array<vk::SpecializationMapEntry, constants.size()> entries;
   for (uint i = 0; i < entries.size(); ++i)
     entries[i] = vk::SpecializationMapEntry(i, uint(i * sizeof(uint)), sizeof(uint));

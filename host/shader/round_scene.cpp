@@ -19,7 +19,45 @@ glm::dvec3 rounded(const glm::dvec3& v) {
   return {rounded(v.x), rounded(v.y), rounded(v.z)};
 }
 
+using wide3 = glm::tvec3<long double, glm::defaultp>;
+
+long double eyePower(const wide3& center, long double radius) {
+  const long double distance = glm::length(center);
+  return (distance - radius) * (distance + radius);
+}
+
+// The sphere rounded, with a radius that gives the eye the power that it has in the exact scene.
+Sphere rounded(const Sphere& world, const LocalFrame& frame) {
+  const wide3 center = (wide3(world.center) - wide3(frame.origin)) * (long double)(frame.scale);
+  Sphere local = world;
+  local.center = rounded(glm::dvec3(center));
+  local.radius = rounded(world.radius * frame.scale);
+  if (!isNearEye(local)) return local;
+  const auto power = eyePower(center, std::abs(world.radius) * frame.scale);
+  const auto twoFloats = [](long double x) { return rounded(double(x)) + rounded(double(x - float(x))); };
+  local.center = {twoFloats(center.x), twoFloats(center.y), twoFloats(center.z)};
+  const long double squared = glm::dot(wide3(local.center), wide3(local.center)) - power;
+  if (!(squared > 0)) return local;
+  const long double radius = std::copysign(std::sqrt(squared), (long double)(world.radius));
+  local.radius = double(radius);
+  local.radiusRest = double(radius - local.radius);
+  return local;
+}
+
 }  // namespace
+
+long double eyePower(const Sphere& local) {
+  return eyePower(wide3(local.center), std::abs((long double)(local.radius) + local.radiusRest));
+}
+
+bool isNearEye(const Sphere& local) {
+  return std::abs(eyePower(local)) <= 0.5L * (long double)(local.radius) * local.radius;
+}
+
+bool isFarFromEye(const Sphere& local) {
+  // A ray passes within |center| 2^-24 of where it should: here within 2^-14 of the radius.
+  return glm::length(local.center) > 1024 * std::abs(local.radius);
+}
 
 LocalFrame localFrame(const Camera& camera) {
   const double distance = glm::length(camera.target - camera.eye);
@@ -49,10 +87,7 @@ Scene roundScene(Scene scene) {
          {&material.shininess, &material.reflect, &material.transmit, &material.ior, &material.localWeight})
       *value = rounded(*value);
   }
-  for (Sphere& sphere : local.spheres) {
-    sphere.center = toLocal(sphere.center);
-    sphere.radius = rounded(sphere.radius * frame.scale);
-  }
+  for (Sphere& sphere : local.spheres) sphere = rounded(sphere, frame);
   forAll(local.triangles.size(), [&](size_t i) {
     for (glm::dvec3& vertex : local.triangles[i].vertices) vertex = toLocal(vertex);
   });

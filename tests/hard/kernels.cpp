@@ -73,6 +73,8 @@ Kernel makeKernel(const Device& device, Fetch fetch, const std::string& file, co
       {gpu::kSpecSpheres, features.spheres},
       {gpu::kSpecTriangles, features.triangles},
       {gpu::kSpecSmoothNormals, features.smoothNormals},
+      {gpu::kSpecNearSpheres, features.nearSpheres},
+      {gpu::kSpecFarSpheres, features.farSpheres},
   };
   std::vector<vk::SpecializationMapEntry> entries;
   for (size_t i = 0; i < constants.size(); ++i)
@@ -242,7 +244,8 @@ void Kernels::setScene(const Scene& world, Bvh (*build)(std::span<const Box>, si
   parts.naive.frame.centreHi.w = naive.primitives.empty() ? gpu::kRefNone : 0;
 
   const Features &a = parts.features, &b = parts.stepFeatures;
-  if (!parts.step || a.spheres != b.spheres || a.triangles != b.triangles || a.smoothNormals != b.smoothNormals) {
+  if (!parts.step || a.spheres != b.spheres || a.triangles != b.triangles || a.smoothNormals != b.smoothNormals ||
+      a.nearSpheres != b.nearSpheres || a.farSpheres != b.farSpheres) {
     parts.step = makeKernel(parts.device, parts.fetch, "step.comp", parts.features);
     parts.stepFeatures = parts.features;
   }
