@@ -102,7 +102,7 @@ float hitNearSphere(const Ray ray, const RayFactors factors, const SphereRows sp
   vec3 g = twoSum(sphere.center, -ray.origin, gRest);
   gRest += sphere.centerRest;
   vec2 a = wideDot(d, vec3(0), d, vec3(0)), b = wideDot(d, vec3(0), g, gRest), c = powerOf(sphere, ray.origin);
-  float discriminant = wideDifferenceOfProducts(b, b, a, c).x;
+  float discriminant = wideSum(wideProduct(b, b), -wideProduct(a, c)).x;
   float norm = sqrt(a.x);
   float t = scale * nearestRoot(b.x / norm, c.x, sqrt(greater(discriminant, 0.0)) / norm, norm);
   return discriminant < 0.0 ? kNoHit : t;

@@ -55,15 +55,30 @@ vec2 wideDot(const vec3 a, const vec3 aRest, const vec3 b, const vec3 bRest) {
   return vec2(sum, rest);
 }
 
-// a b - c d likewise, each factor such a sum.
-vec2 wideDifferenceOfProducts(const vec2 a, const vec2 b, const vec2 c, const vec2 d) {
-  float abRest, cdRest, differenceRest, rest;
-  float ab = twoProduct(a.x, b.x, abRest), cd = twoProduct(c.x, d.x, cdRest);
-  float difference = twoSum(ab, -cd, differenceRest);
-  precise float small =
-      differenceRest + ((abRest - cdRest) + ((a.x * b.y + a.y * b.x) - (c.x * d.y + c.y * d.x)));
-  float sum = twoSum(difference, small, rest);
+// Sum and product of two such sums.
+vec2 wideSum(const vec2 a, const vec2 b) {
+  float sumRest, rest;
+  float sum = twoSum(a.x, b.x, sumRest);
+  precise float small = sumRest + (a.y + b.y);
+  sum = twoSum(sum, small, rest);
   return vec2(sum, rest);
+}
+
+vec2 wideProduct(const vec2 a, const vec2 b) {
+  float productRest, rest;
+  float product = twoProduct(a.x, b.x, productRest);
+  precise float small = productRest + (a.x * b.y + a.y * b.x);
+  product = twoSum(product, small, rest);
+  return vec2(product, rest);
+}
+
+// 1 / a likewise.
+vec2 wideReciprocal(const float a) {
+  float quotient = 1.0 / a, rest;
+  float product = twoProduct(quotient, a, rest);
+  precise float missing = (1.0 - product) - rest;
+  precise float small = missing * quotient;
+  return vec2(quotient, small);
 }
 
 // Adds a term to a compensated sum (Kahan 1965).

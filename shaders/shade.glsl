@@ -32,6 +32,8 @@ float localWeight(const MaterialRows m) { return uintBitsToFloat(m.other.z); }
 // The largest of three components.
 float largest(const vec3 v) { return max(max(v.x, v.y), v.z); }
 
+bool isTriangle(const uint primitive) { return TRIANGLES && (!SPHERES || (primitive & kRefTriangle) != 0u); }
+
 // Turns the hit of a ray into the surface there.
 Surface surfaceAt(const Ray ray, const RayFactors factors, const float t, const uint primitive) {
   Surface surface;
@@ -40,7 +42,7 @@ Surface surfaceAt(const Ray ray, const RayFactors factors, const float t, const 
   surface.margin = 0.0;
   surface.outside = true;
   Row row0 = ROW(primitives, row), row1 = ROW(primitives, row + 1u);
-  if (SPHERES && (primitive & kRefTriangle) == 0u) {
+  if (SPHERES && !isTriangle(primitive)) {
     SphereRows sphere = sphereOf(row0, row1);
     // By where the ray starts, not by its angle: at the silhouette that is within its rounding.
     bool leavesIt = (ray.leaving & ~kLeavesInward) == primitive;
@@ -62,18 +64,19 @@ Surface surfaceAt(const Ray ray, const RayFactors factors, const float t, const 
     surface.Ns = surface.Ng;
     surface.material = row1.y & ~kNearEye;
   }
-  if (TRIANGLES && (primitive & kRefTriangle) != 0u) {
+  if (TRIANGLES && isTriangle(primitive)) {
     uint isSecond = (primitive & kRefSecond) != 0u ? 1u : 0u;
     Row plane = ROW(primitives, row + kPairNormals + isSecond);
     surface.Ng = xyz(plane);
     surface.material = row1.w;
-    // Put the point back on the plane.
+    // Put the point back on the plane, as far as it can be rounded to it.
     vec3 point = ray.origin + t * ray.direction;
-    surface.point = point - surface.Ng * (dot(surface.Ng, point) - uintBitsToFloat(plane.w));
-    // How far that may be from the plane of a coplanar neighbour, by the kernel's arithmetic: both planes' N and d are
-    // rounded, and so is every term of both N.x. The errors of the terms add up to ten roundings of the sum of their sizes
-    // at the worst; of 6.4 million rays along tilted floors one came too near with half of this.
-    surface.margin = 4.0 * kRounding * (dot(abs(surface.Ng), abs(surface.point)) + abs(uintBitsToFloat(plane.w)));
+    float offset = uintBitsToFloat(plane.w);
+    surface.point = point - surface.Ng * wideSum(wideDot(surface.Ng, vec3(0), point, vec3(0)), vec2(-offset, 0)).x;
+    // How far that may be from the plane of a coplanar neighbour, by the kernel's arithmetic: the point is rounded, both
+    // planes' N and d are, and so is every term of the neighbour's N.x. The errors of the terms add up to seven roundings
+    // of the sum of their sizes at the worst.
+    surface.margin = 3.0 * kRounding * (dot(abs(surface.Ng), abs(surface.point)) + abs(offset));
     surface.Ns = surface.Ng;
     Row row2 = ROW(primitives, row + kPairV2), row3 = ROW(primitives, row + kPairV3);
     if (SMOOTH_NORMALS && row2.w != kRefNone) {
@@ -100,11 +103,23 @@ Surface surfaceAt(const Ray ray, const RayFactors factors, const float t, const 
   return surface;
 }
 
-// A ray from the surface, to the side of Ng (`above`) or through it.
+// A ray from the surface, to the side of Ng (`above`) or through it. It starts as far from the surface as the margin
+// says. From a triangle that is by a step along the ray, which stays where it was, as far as it is not too shallow; a
+// sphere knows its other root by the ray's start.
 Ray leaveSurface(const Surface surface, const uint primitive, const vec3 direction, const bool above) {
-  vec3 origin = surface.point + (above ? surface.margin : -surface.margin) * surface.Ng;
+  vec3 away = above ? surface.Ng : -surface.Ng;
+  float cosine = max(dot(direction, away), 1e-6), step = surface.margin * min(1.0 / cosine, 16.0);
+  if (!isTriangle(primitive)) step = 0.0;
+  vec3 origin = surface.point + step * direction + (surface.margin - step * cosine) * away;
   bool inward = above != surface.outside;
   return Ray(origin, direction, primitive | (inward ? kLeavesInward : 0u));
+}
+
+// A ray to a light. The light's end stays where it is.
+Ray leaveToLight(const Surface surface, const uint primitive, const vec3 lightPosition) {
+  Ray ray = leaveSurface(surface, primitive, vec3(0), true);
+  ray.direction = lightPosition - ray.origin;
+  return ray;
 }
 
 // Whether a light stands above both the surface and its shading normal, so that a shadow ray is worth its time.
@@ -146,20 +161,25 @@ vec3 reflection(const Surface surface, const vec3 direction) {
   return dot(R, surface.Ng) > 0.0 ? R : mirrored(direction, surface.Ng);
 }
 
-// Snell's law in vector form; false on total internal reflection. eta: index on the side of V over the other.
-bool refracted(const vec3 direction, const vec3 N, const float eta, out vec3 T) {
-  float cosI = -dot(direction, N);
-  float sin2T = eta * eta * max(1.0 - cosI * cosI, 0.0);
+// Snell's law in vector form; false on total internal reflection. n: index of refraction on the other side over that on
+// the side of V. Near the critical angle the cosine is a small difference, of digits that N and the direction have: so
+// the decision and cosT are computed with twice the digits, from vectors that are unit but for their rounding.
+bool refracted(const vec3 direction, const vec3 N, const vec2 n, out vec3 T) {
+  const vec3 none = vec3(0);
+  vec2 dd = wideDot(direction, none, direction, none), NN = wideDot(N, none, N, none), dN = wideDot(direction, none, N, none);
+  // All times dd NN: sin^2 of the angle of incidence, n^2 times cos^2 of that of refraction.
+  vec2 one = wideProduct(dd, NN), sin2I = wideSum(one, -wideProduct(dN, dN));
+  float cos2T = wideSum(wideProduct(wideProduct(n, n), one), -sin2I).x;
   T = direction;
-  if (sin2T >= 1.0) return false;
-  T = normalize(eta * direction + (eta * cosI - sqrt(1.0 - sin2T)) * N);
+  if (cos2T <= 0.0) return false;
+  T = normalize(direction - (dN.x + sqrt(cos2T)) * N);
   return true;
 }
 
 // T: about Ns, or about Ng where that would not lead through the surface; false on total internal reflection.
 bool transmission(const Surface surface, const vec3 direction, const float ior, out vec3 T) {
-  float eta = surface.front ? 1.0 / ior : ior;
-  bool passes = refracted(direction, surface.Ns, eta, T);
-  if (passes && dot(T, surface.Ng) >= 0.0) passes = refracted(direction, surface.Ng, eta, T);
+  vec2 n = surface.front ? vec2(ior, 0) : wideReciprocal(ior);
+  bool passes = refracted(direction, surface.Ns, n, T);
+  if (passes && dot(T, surface.Ng) >= 0.0) passes = refracted(direction, surface.Ng, n, T);
   return passes;
 }

@@ -107,8 +107,7 @@ void findNearestHit(const RayFactors factors, inout int budget) {
 void addLight(const Surface surface, const MaterialRows material, inout int budget) {
   Row position = ROW(lights, kLightRows * light + kLightPosition);
   Row color = ROW(lights, kLightRows * light + kLightColor);
-  Ray shadowRay = leaveSurface(surface, hitPrimitive, vec3(0), true);
-  shadowRay.direction = xyz(position) - shadowRay.origin;
+  Ray shadowRay = leaveToLight(surface, hitPrimitive, xyz(position));
   RayFactors factors = rayFactors(shadowRay.direction);
   bool faces = facesLight(surface, xyz(position));
   if (phase == kNextLight && faces) {

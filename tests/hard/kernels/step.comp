@@ -54,8 +54,7 @@ void main() {
       leaves = true;
     }
     if (next.w == kNextLight) {
-      leaving = leaveSurface(surface, walk.hit, vec3(0), true);
-      leaving.direction = xyz(next) - leaving.origin;
+      leaving = leaveToLight(surface, walk.hit, xyz(next));
       leaves = facesLight(surface, xyz(next));
     }
     if (next.w == kNextReflected) {
