@@ -183,9 +183,16 @@ bool isInside(const float u, const float v, const float w) {
 
 // Distance to a triangle's plane, which is better than the one that the edges give: on thin triangles by far, and beside
 // the eye of a huge one. Kept between the vertices, because the plane of a triangle seen nearly edge-on tells nothing.
-float planeDistance(const Ray ray, const vec3 normal, const float offset, const float tNear, const float tFar) {
+// The origin's height under the plane comes from whichever is nearer: the nearest vertex (of a small triangle far from
+// the eye), or the plane's offset, which is its distance from the eye.
+float planeDistance(const Ray ray, const vec3 normal, const float offset, const vec3 vertex, const float tNear,
+                    const float tFar) {
+  vec3 way = vertex - ray.origin;
   precise float slope = dot(normal, ray.direction);
-  precise float t = (offset - dot(normal, ray.origin)) / slope;
+  precise float fromVertex = dot(normal, way);
+  precise float fromEye = offset - dot(normal, ray.origin);
+  bool isNear = dot(abs(way), vec3(1)) < dot(abs(ray.origin), vec3(1));
+  precise float t = (isNear ? fromVertex : fromEye) / slope;
   if (slope == 0.0) t = tNear;
   return lesser(greater(t, tNear), tFar);
 }

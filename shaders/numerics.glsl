@@ -90,10 +90,10 @@ void compensatedAdd(inout vec3 sum, inout vec3 compensation, const vec3 term) {
   sum = next;
 }
 
-// ln(1 - q) for 0 <= q < 1, with a small relative error also where q is small.
-float logOneMinus(const float q) {
+// ln(1 - q) - k ln 2 for 0 <= q < 1, with a k that brings it near 0, and a small relative error also where q is small.
+float logOneMinus(const float q, out int k) {
   // 1 - q = 2^k (1 + f) with 1 + f in [sqrt(1/2), sqrt(2)); below 1/4, f = -q without a rounding.
-  int k = 0;
+  k = 0;
   float f = -q;
   if (q > 0.25) {
     float m = frexp(1.0 - q, k);
@@ -107,20 +107,27 @@ float logOneMinus(const float q) {
   float s = f / (2.0 + f);
   float s2 = s * s;
   float series = s2 * (1.0 / 3.0 + s2 * (1.0 / 5.0 + s2 * (1.0 / 7.0 + s2 * (1.0 / 9.0 + s2 * (1.0 / 11.0)))));
-  return 2.0 * (s + s * series) + float(k) * 0.69314718;
+  return 2.0 * (s + s * series);
 }
 
 // (1 - q)^n for 0 <= q <= 1 and n >= 0, with 0^0 = 1. The built-in pow() is undefined at 0 and loses 1e-5 on lavapipe
-// for large n; here the absolute error is about 1e-7 for every n.
+// for large n; here what is lost is a few roundings of the logarithm of the result, without the whole powers of two in it.
 float powOneMinus(const float q, const float n) {
   if (n == 0.0) return 1.0;
   if (q >= 1.0) return 0.0;
-  float y = n * logOneMinus(q) * 1.4426950;
+  // (1 - q)^n = 2^(n k) e^(n ln(1 + f)). Of n k the whole part is split off exactly.
+  int k;
+  float logarithm = logOneMinus(q, k), exponentRest;
+  float exponent = twoProduct(n, float(k), exponentRest);
+  float whole = floor(exponent + 0.5);
+  precise float z = n * logarithm + ((exponent - whole) + exponentRest) * 0.69314718;
+  // e^z = 2^more e^z' with |z'| <= ln(2) / 2, ln 2 as the sum of two floats (Cody and Waite 1980).
+  float more = floor(z * 1.4426950 + 0.5);
+  float y = whole + more;
   if (y < -126.0) return 0.0;
-  // 2^y = 2^k 2^f with |f| <= 1/2, by Taylor's series of exp(f ln 2): the first term left out is below 6e-9.
-  float k = floor(y + 0.5);
-  float z = (y - k) * 0.69314718;
+  z = (z - more * 0.69314575) - more * 1.4286068e-6;
+  // Taylor's series: the first term left out is below 6e-9.
   float series =
       1.0 + z * (1.0 + z * (1.0 / 2.0 + z * (1.0 / 6.0 + z * (1.0 / 24.0 + z * (1.0 / 120.0 + z * (1.0 / 720.0 + z * (1.0 / 5040.0)))))));
-  return series * uintBitsToFloat(uint(int(k) + 127) << 23);
+  return series * uintBitsToFloat(uint(int(y) + 127) << 23);
 }

@@ -76,7 +76,7 @@ Surface surfaceAt(const Ray ray, const RayFactors factors, const float t, const 
     // How far that may be from the plane of a coplanar neighbour, by the kernel's arithmetic: the point is rounded, both
     // planes' N and d are, and so is every term of the neighbour's N.x. The errors of the terms add up to seven roundings
     // of the sum of their sizes at the worst.
-    surface.margin = 3.0 * kRounding * (dot(abs(surface.Ng), abs(surface.point)) + abs(offset));
+    surface.margin = 2.0 * kRounding * (dot(abs(surface.Ng), abs(surface.point)) + abs(offset));
     surface.Ns = surface.Ng;
     Row row2 = ROW(primitives, row + kPairV2), row3 = ROW(primitives, row + kPairV3);
     if (SMOOTH_NORMALS && row2.w != kRefNone) {
@@ -137,9 +137,11 @@ bool reflectsNoLight(const MaterialRows material) {
 // E (k_d + k_s max(0, N.H)^n) N.L of one light that is not in shadow.
 vec3 lightReflected(const Surface surface, const vec3 V, const Row lightPosition, vec3 E, const MaterialRows material) {
   vec3 toward = xyz(lightPosition) - surface.point;
-  float squared = dot(toward, toward);
-  vec3 L = toward / sqrt(squared);
-  if (FALLOFF && lightPosition.w != 0u) E /= squared;
+  // Scaled first: the square of a distance of 1e-23 would be 0.
+  vec3 L = toward / largest(abs(toward));
+  L /= sqrt(dot(L, L));
+  // Nearer than 1e-15 the light falls off no further, so that the picture stays finite.
+  if (FALLOFF && lightPosition.w != 0u) E /= max(dot(toward, toward), 1e-30);
   vec3 brdf = xyz(material.diffuse);
   if (HIGHLIGHTS) {
     vec3 H = L + V;

@@ -124,8 +124,9 @@ Meeting meetPair(const Ray ray, const RayFactors factors, const uint pair) {
   uint planeRow = row + kPairNormals + uint(isSecond);
   Row plane = ROW(primitives, inFirst || inSecond ? planeRow : row);
   float apex = isSecond ? d.z : a.z;
-  float t = planeDistance(ray, xyz(plane), uintBitsToFloat(plane.w), lesser(lesser(b.z, c.z), apex),
-                          greater(greater(b.z, c.z), apex));
+  float tNear = lesser(lesser(b.z, c.z), apex), tFar = greater(greater(b.z, c.z), apex);
+  vec3 nearest = tNear == b.z ? xyz(v1) : tNear == c.z ? xyz(v2) : isSecond ? xyz(v3) : xyz(v0);
+  float t = planeDistance(ray, xyz(plane), uintBitsToFloat(plane.w), nearest, tNear, tFar);
   if (!(inFirst || inSecond) || !(t > 0.0)) t = kNoHit;
   uint tested = pair != first ? 0u : v3.w != kRefNone ? 2u : 1u;
   return Meeting(t, isSecond ? second : first, isSecond ? v3.w : v0.w, inFirst && inSecond, tested);
