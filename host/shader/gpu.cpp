@@ -264,7 +264,8 @@ Buffer Device::storageBuffer(vk::DeviceSize size, const std::string& bufferName)
 }
 
 Buffer Device::hostBuffer(vk::DeviceSize size, const std::string& bufferName) const {
-  return makeBuffer(size, vk::BufferUsageFlagBits::eTransferSrc | vk::BufferUsageFlagBits::eTransferDst,
+  using Usage = vk::BufferUsageFlagBits;
+  return makeBuffer(size, Usage::eTransferSrc | Usage::eTransferDst | Usage::eStorageBuffer,
                     vk::MemoryPropertyFlagBits::eHostVisible | vk::MemoryPropertyFlagBits::eHostCoherent,
                     vk::MemoryPropertyFlagBits::eHostCached, bufferName);
 }

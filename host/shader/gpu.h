@@ -1,5 +1,6 @@
 // Vulkan held thin: a device with one compute queue, buffers, a compute pipeline, and running commands to their end.
-// Knows nothing of scenes or rays. Included by gpu.cpp and render.cpp only: vulkan_raii.hpp is slow to compile.
+// Knows nothing of scenes or rays. Included where kernels are run (render.cpp, test kernels): vulkan_raii.hpp is slow
+// to compile.
 #pragma once
 
 #include <cstdint>
@@ -58,7 +59,7 @@ class Device {
   // A storage buffer on the device. Throws InputError when it exceeds a limit of the device, RunError when the memory
   // is exhausted; both name the buffer and its size.
   Buffer storageBuffer(vk::DeviceSize size, const std::string& name) const;
-  // A buffer that host and device both reach, coherent.
+  // A storage buffer that host and device both reach, coherent; slow for a device that has memory of its own.
   Buffer hostBuffer(vk::DeviceSize size, const std::string& name) const;
   // A storage buffer with this content, written directly or by way of a staging buffer.
   Buffer upload(std::span<const std::byte> bytes, const std::string& name) const;
