@@ -248,13 +248,22 @@ TEST(SceneJsonFaults, manyTooLargeNumbersAreRefusedToo) {
 }
 
 TEST(SceneJsonFaults, literalsThatAreNoNumbersAreRefusedAtTheirBeginning) {
-  for (const std::string word :
-       {"NaN", "Infinity", "-Infinity", "nan", "inf", "-inf", "+1", ".5", "1.", "1e", "0x10", "tru", "-", "1_0"}) {
+  for (const std::string word : {"+1", ".5", "1.", "1e", "0x10", "tru", "-", "1_0"}) {
     const std::string faults = faultsOf("{\"background\": [0, " + word + ", 0]}");
     // These begin with a number, and the fault is what follows it.
     const std::string place = word == "0x10" || word == "1_0" ? "scene.json:1:21: " : "scene.json:1:20: ";
     EXPECT_TRUE(faults.starts_with(place + "error: found ")) << word << ": " << faults;
   }
+}
+
+TEST(SceneJsonFaults, wordsForWhatIsNotFiniteAreFaultsOfTheirField) {
+  for (const std::string word : {"NaN", "Infinity", "-Infinity", "nan", "inf", "-inf"})
+    EXPECT_EQ(faultsOf("{\"background\": [0, " + word + ", 0],\n\"depth\": " + word + "}"),
+              "scene.json:1:20: error: background[1]: found " + word + "; must be a number from 0 to 1e30\n" +
+                  "scene.json:2:10: error: depth: found " + word + "; must be an integer from 1 to 64");
+  std::string many = R"({"lights":[)";
+  for (int i = 0; i < 100; ++i) many += R"({"position":[NaN,0,0]},)";
+  EXPECT_TRUE(contains(faultsOf(many + "]}"), "found NaN; expected a value: a finite number"));
 }
 
 TEST(SceneJsonFaults, wrongSyntaxIsOneFaultAtItsPlace) {

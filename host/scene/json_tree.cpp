@@ -75,6 +75,15 @@ std::string_view wordAt(std::string_view text, size_t at) {
   return text.substr(at, end - at);
 }
 
+// Numbers that JSON has no words for, as other programs write them. They stand where a number may stand, so that the
+// reader of the tree can say which field it is that they are wrong in.
+bool isNotFinite(std::string_view word) {
+  if (word.starts_with('-') || word.starts_with('+')) word.remove_prefix(1);
+  std::string lower(word);
+  std::transform(lower.begin(), lower.end(), lower.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+  return lower == "nan" || lower == "inf" || lower == "infinity";
+}
+
 // Receives RapidJSON's events and lays down the nodes. An event says where its token ends at best, so each token's
 // beginning is looked for from the end of the token before it.
 class TreeBuilder {
@@ -245,8 +254,9 @@ JsonTree parseJson(std::string_view text, Faults& faults) {
   const size_t begin = text.starts_with(kByteOrderMark) ? kByteOrderMark.size() : 0;
 
   // RapidJSON computes every number even where it only hands over its text, and gives up at those beyond its range
-  // (1e400). They are blanked out, one at each attempt, so that faults behind them are found too; the tree keeps what
-  // is written. After some attempts it is a fault like any other: the time spent must stay proportional to the file.
+  // (1e400) and at NaN. They are blanked out, one at each attempt, so that faults behind them are found too; the tree
+  // keeps what is written. After some attempts it is a fault like any other: the time spent must stay proportional to
+  // the file.
   constexpr int kMaxAttempts = 32;
   std::string blanked;
   for (int attempt = 1;; ++attempt) {
@@ -259,12 +269,14 @@ JsonTree parseJson(std::string_view text, Faults& faults) {
                                 rapidjson::kParseValidateEncodingFlag | rapidjson::kParseIterativeFlag;
     const rapidjson::ParseResult result = reader.Parse<kFlags>(stream, builder);
     if (!result.IsError()) return tree;
-    if (result.Code() != rapidjson::kParseErrorNumberTooBig) {
+    const bool isTooLarge = result.Code() == rapidjson::kParseErrorNumberTooBig;
+    const size_t at = isTooLarge ? result.Offset() : builder.nextToken();
+    const std::string_view number = wordAt(text, at);
+    const bool isWord = result.Code() == rapidjson::kParseErrorValueInvalid && isNotFinite(number);
+    if (!isTooLarge && (!isWord || attempt == kMaxAttempts)) {
       addSyntaxFault(result, text, stream, begin, builder, faults);
       return {};
     }
-    const size_t at = result.Offset();
-    const std::string_view number = wordAt(text, at);
     if (attempt == kMaxAttempts) {
       faults.add(at, "found " + std::string(number.substr(0, 40)) + ", which is too large");
       return {};

