@@ -872,6 +872,71 @@ class Compare(Command):
         self.assertIn("device: ", run.out)
         self.assertEqual(Exr(self.path("error.exr")).data, (4, 4, 19, 11))
 
+    OF_SAMPLING = ["own_error", "converged", "samples"]
+
+    def test_three_errors_are_told_apart(self):
+        scene = [SCENES / "spheres.json", *SMALL, "--samples", "2", "--decompose"]
+        figures = self.figures(*scene)
+        parts = figures["decompose"]
+        self.assertEqual(list(figures), [*self.KEYS, "decompose"])
+        self.assertEqual(list(parts), ["sampling", "arithmetic", "quantisation"])
+        self.assertEqual(list(parts["sampling"]), [*self.KEYS, *self.OF_SAMPLING])
+        for part in ("arithmetic", "quantisation"):
+            self.assertEqual(list(parts[part]), self.KEYS)
+        sampling = parts["sampling"]
+        self.assertIs(sampling["converged"], True)
+        self.assertLessEqual(sampling["own_error"], sampling["rmse"] / 4)
+        self.assertEqual(sampling["samples"] % (2 * 8 * 8), 0)
+        # Edges at 2 x 2 samples are rough; rounding is not.
+        self.assertGreater(sampling["rmse"], 100 * parts["arithmetic"]["rmse"])
+        self.assertGreater(parts["arithmetic"]["rmse"], 0)
+        self.assertGreater(parts["quantisation"]["rmse"], 0)
+        # Picture - exact = (picture - rounded) + (rounded - exact), whichever of the two is the usual figures' own.
+        both = parts["arithmetic"]["mean_signed"] + parts["quantisation"]["mean_signed"]
+        self.assertAlmostEqual(figures["mean_signed"], both, delta=1e-12)
+        rounded = self.figures(*scene, "--geometry", "rounded")
+        self.assertEqual(rounded["decompose"], parts)
+        self.assertEqual({key: rounded[key] for key in self.KEYS}, parts["arithmetic"])
+
+    def test_the_three_errors_keep_renders_options(self):
+        crop = ["--width", "32", "--height", "32", "--crop", "4,4,20,12", "--depth", "2", "--min-weight", "0.3"]
+        for sampler in (["grid"], ["jitter", "--seed", "4294967295"]):
+            parts = self.figures(SCENES / "glass.json", *crop, "--sampler", *sampler, "--decompose")["decompose"]
+            for part in parts.values():
+                self.assertEqual((part["width"], part["height"], part["nan"]), (16, 8, 0))
+            # With another depth or weight on one side whole surfaces would differ.
+            self.assertLess(parts["arithmetic"]["p50"], 1e-6)
+            self.assertLess(parts["quantisation"]["p50"], 1e-6)
+            self.assertLess(abs(parts["sampling"]["mean_signed"]), 0.05)
+
+    def test_the_envelope_excuses_what_lies_at_edges(self):
+        scene = [SCENES / "spheres.json", *SMALL, "--samples", "3", "--geometry", "rounded"]
+        figures = self.figures(*scene, "--envelope")
+        self.assertEqual(list(figures), [*self.KEYS, "envelope"])
+        rule = figures["envelope"]
+        self.assertEqual(list(rule), ["needed", "excused", "outside", "p99", "p999"])
+        self.assertEqual(rule["needed"], self.figures(*scene, "--threshold", "1e-5")["bad_pixels"])
+        self.assertEqual((rule["excused"], rule["outside"]), (rule["needed"], 0))
+        self.assertLessEqual(rule["p999"], 1e-5)
+
+    def test_the_three_errors_and_the_envelope_are_told_beside_the_usual_figures(self):
+        lines = self.do("compare", SCENES / "spheres.json", *SMALL, "--decompose", "--envelope").out.splitlines()
+        for word in ("rmse ", "bad pixels ", "sampling ", "arithmetic ", "quantisation ", "own error ", "envelope "):
+            self.assertEqual(sum(line.startswith(word) for line in lines), 1, word)
+        table = [line for line in lines if re.match("sampling|arithmetic|quantisation|  +rmse", line)]
+        columns = [[match.start() for match in re.finditer(r"\S+", line)][-6:] for line in table]
+        self.assertEqual(columns, [columns[0]] * 4)
+        both = self.figures(SCENES / "spheres.json", *TINY, "--decompose", "--envelope")
+        self.assertEqual(list(both), [*self.KEYS, "decompose", "envelope"])
+        quiet = self.do("compare", SCENES / "spheres.json", *TINY, "--decompose", "--envelope", "--quiet")
+        self.assertEqual(quiet.out + quiet.err, "")
+
+    def test_two_pictures_have_no_three_errors_and_no_envelope(self):
+        self.render_pair()
+        for option in ("--decompose", "--envelope"):
+            self.refuse("compare", "a.exr", "b.exr", option, says=[option, "scene"])
+            self.refuse("compare", "a.exr", option, says="a.exr")
+
     def test_wrong_bounds_are_refused(self):
         self.render_pair()
         for option in ("--max-rmse", "--max-error", "--max-bad-pixels", "--threshold"):
@@ -989,7 +1054,7 @@ class CommandLine(Command):
         options = "--width --height --samples --depth --sampler --seed --min-weight --geometry --device --crop"
         own = {
             "render": "-o --backend --stats",
-            "compare": "--max-rmse --max-error --max-bad-pixels --threshold --error-image --json",
+            "compare": "--max-rmse --max-error --max-bad-pixels --threshold --error-image --json --decompose --envelope",
         }
         for command, names in own.items():
             text = self.do(command, "--help").out

@@ -153,6 +153,11 @@ void addCompare(CLI::App& app, CompareOptions& options, RenderOptions& render) {
             "Error of a channel above which a pixel is bad (default: 0.001)");
   addText(*command, "--error-image", options.errorImage, "FILE", "Write |A - B| as EXR");
   command->add_flag("--json", options.json, "Print the figures as JSON");
+  command->add_flag("--decompose", options.decompose,
+                    "Of a scene: tell the errors of sampling, of arithmetic and of the scene's rounding apart");
+  command->add_flag("--envelope", options.envelope,
+                    "Of a scene: how many of the pixels off by more than 1e-5 lie where the reference does with eye "
+                    "rays off by 4 ulp");
   addRenderOptions(*command, render);
 }
 
@@ -216,7 +221,11 @@ CommandLine parseCommandLine(int argc, char** argv) {
   if (app.got_subcommand("render")) line.kind = CommandKind::render;
   if (app.got_subcommand("compare")) line.kind = CommandKind::compare;
   if (app.got_subcommand("devices")) line.kind = CommandKind::devices;
-  if (line.compare.files.size() == 1) line.render.scene = line.compare.files[0];
+  const CompareOptions& compare = line.compare;
+  if (compare.files.size() == 1) line.render.scene = compare.files[0];
+  if (compare.files.size() == 2 && (compare.decompose || compare.envelope))
+    throw InputError(
+        fmt::format("{} takes one scene, not two pictures", compare.decompose ? "--decompose" : "--envelope"));
   return line;
 }
 

@@ -40,6 +40,7 @@ struct CompareOptions {
   double threshold = 1e-3;
   std::string errorImage;
   bool json = false;
+  bool decompose = false, envelope = false;  // of a scene only
 };
 
 struct CommandLine {

@@ -8,13 +8,15 @@
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
-#include <thread>
+#include <optional>
 
 #include "command/data_folder.h"
+#include "command/decompose.h"
 #include "command/interrupt.h"
 #include "command/progress_line.h"
 #include "command/stats.h"
 #include "errors.h"
+#include "picture/envelope.h"
 #include "picture/exr.h"
 #include "picture/output_file.h"
 #include "picture/png.h"
@@ -129,59 +131,83 @@ Scene withoutGeometry(const Scene& scene) {
   return rest;
 }
 
-// scene -> rounded -> tree -> packed -> device -> picture. Of a large scene no step's value is kept beyond the next.
+// A scene on its device: rounded -> tree -> packed -> uploaded. Of a large scene no step's value is kept beyond the
+// next.
+class UploadedScene {
+ public:
+  UploadedScene(Scene scene, const RenderSettings& settings, const RenderOptions& options)
+      : quiet_(options.quiet),
+        device_(chooseDeviceFor(options)),
+        renderer_(device_, options.fetch),
+        dispatching_{.tile = options.tile, .workGroup = options.workGroup} {
+    stats_.backend = "shader";
+    stats_.geometry = "rounded";  // the kernel has no other
+    stats_.device = device_;
+    stats_.fetch = fetchName(renderer_.fetch());
+    if (!quiet_)
+      fmt::print("device: {}: {} ({}, {}), fetching {}\n", device_.index, device_.name, device_.type, device_.driver,
+                 stats_.fetch);
+
+    Stopwatch watch;
+    PackedScene packed = [&] {
+      Scene local = roundScene(std::move(scene));
+      checkReach(local);
+      const Shapes shapes = shapesOf(std::move(local));
+      return packScene(shapes, buildBvh(shapes.boxes, shapes.firstPair()), settings);
+    }();
+    stats_.treeNodes = packed.nodes.size();
+    stats_.treeDepth = packed.treeDepth;
+    stats_.geometryBytes = packed.bytes();
+    stats_.seconds.build = watch.lap();
+    throwIfInterrupted();
+
+    kernel_ = compileGlsl(shaderFolder(options.shaders) + "/whitted.comp", fetchPreamble(renderer_.fetch()));
+    stats_.seconds.compile = watch.lap();
+    throwIfInterrupted();
+
+    renderer_.upload(packed);
+    packed = {};
+    stats_.seconds.upload = watch.lap();
+  }
+
+  // `what` names the work on the progress line.
+  Image render(const RenderSettings& settings, const char* what = "tracing") {
+    ProgressLine progress(what, sampleCount(settings), quiet_);
+    ShaderPicture picture = renderer_.render(kernel_, settings, std::ref(progress), dispatching_);
+    stats_.seconds.compile += picture.compileSeconds;
+    stats_.seconds.trace += picture.traceSeconds;
+    stats_.seconds.readback += picture.readbackSeconds;
+    return std::move(picture.image);
+  }
+
+  void countRays(const RenderSettings& settings) {
+    ProgressLine progress("counting rays", sampleCount(settings), quiet_);
+    stats_.visits = renderer_.countVisits(kernel_, settings, std::ref(progress), dispatching_);
+    stats_.rays = stats_.visits.rays;
+  }
+
+  const Stats& stats() const { return stats_; }
+
+ private:
+  bool quiet_;
+  DeviceInfo device_;
+  ShaderRenderer renderer_;
+  Dispatching dispatching_;
+  Spirv kernel_;
+  Stats stats_;
+};
+
 Rendered renderWithShader(Scene scene, const RenderSettings& settings, const RenderOptions& options, bool countRays) {
+  UploadedScene uploaded(std::move(scene), settings, options);
   Rendered result;
-  Stats& stats = result.stats;
-  stats.backend = "shader";
-  stats.geometry = "rounded";  // the kernel has no other
-  stats.device = chooseDeviceFor(options);
-  ShaderRenderer renderer(stats.device, options.fetch);
-  stats.fetch = fetchName(renderer.fetch());
-  if (!options.quiet)
-    fmt::print("device: {}: {} ({}, {}), fetching {}\n", stats.device.index, stats.device.name, stats.device.type,
-               stats.device.driver, stats.fetch);
-
-  Stopwatch watch;
-  PackedScene packed = [&] {
-    Scene local = roundScene(std::move(scene));
-    checkReach(local);
-    const Shapes shapes = shapesOf(std::move(local));
-    return packScene(shapes, buildBvh(shapes.boxes, shapes.firstPair()), settings);
-  }();
-  stats.treeNodes = packed.nodes.size();
-  stats.treeDepth = packed.treeDepth;
-  stats.geometryBytes = packed.bytes();
-  stats.seconds.build = watch.lap();
-  throwIfInterrupted();
-
-  const Spirv kernel = compileGlsl(shaderFolder(options.shaders) + "/whitted.comp", fetchPreamble(renderer.fetch()));
-  stats.seconds.compile = watch.lap();
-  throwIfInterrupted();
-
-  renderer.upload(packed);
-  packed = {};
-  stats.seconds.upload = watch.lap();
-
-  Dispatching dispatching;
-  dispatching.tile = options.tile;
-  dispatching.workGroup = options.workGroup;
-  ShaderPicture picture;
-  {
-    ProgressLine progress("tracing", sampleCount(settings), options.quiet);
-    picture = renderer.render(kernel, settings, std::ref(progress), dispatching);
-  }
-  stats.seconds.compile += picture.compileSeconds;
-  stats.seconds.trace = picture.traceSeconds;
-  stats.seconds.readback = picture.readbackSeconds;
-  result.image = std::move(picture.image);
-
-  if (countRays) {
-    ProgressLine progress("counting rays", sampleCount(settings), options.quiet);
-    stats.visits = renderer.countVisits(kernel, settings, std::ref(progress), dispatching);
-    stats.rays = stats.visits.rays;
-  }
+  result.image = uploaded.render(settings);
+  if (countRays) uploaded.countRays(settings);
+  result.stats = uploaded.stats();
   return result;
+}
+
+Scene geometryOf(const Scene& scene, const RenderOptions& options) {
+  return options.geometry == Geometry::rounded ? roundScene(scene) : scene;
 }
 
 Rendered renderWithReference(const Scene& scene, const RenderSettings& settings, const RenderOptions& options) {
@@ -195,8 +221,7 @@ Rendered renderWithReference(const Scene& scene, const RenderSettings& settings,
 
   Stopwatch watch;
   ProgressLine progress("reference", sampleCount(settings), options.quiet);
-  ReferencePicture picture =
-      renderReference(options.geometry == Geometry::rounded ? roundScene(scene) : scene, settings, std::ref(progress));
+  ReferencePicture picture = renderReference(geometryOf(scene, options), settings, std::ref(progress));
   stats.seconds.trace = watch.lap();
   stats.rays = picture.rays;
   result.image = std::move(picture.image);
@@ -210,6 +235,78 @@ void tellFigures(const Comparison& c, double threshold) {
   fmt::print("percentiles  50: {:.3e}   99: {:.3e}   99.9: {:.3e}   max: {:.3e}\n", c.p50, c.p99, c.p999, c.max);
   fmt::print("bad pixels   {:.4f} % off by more than {:g}\n", 100 * c.badPixels, threshold);
   fmt::print("nan, inf     {}, {}\n", c.nan, c.inf);
+}
+
+void tellDecomposition(const Decomposition& decomposition) {
+  fmt::print("{:<13}{:<11}{:<11}{:<11}{:<11}{:<11}{}\n", "", "rmse", "50", "99", "99.9", "max", "signed");
+  const auto tell = [](const char* name, const Comparison& c) {
+    fmt::print("{:<13}{:<11.3e}{:<11.3e}{:<11.3e}{:<11.3e}{:<11.3e}{:+.3e}\n", name, c.rmse, c.p50, c.p99, c.p999,
+               c.max, c.meanSigned);
+  };
+  const SamplingError& sampling = decomposition.sampling;
+  tell("sampling", sampling.figures);
+  tell("arithmetic", decomposition.arithmetic);
+  tell("quantisation", decomposition.quantisation);
+  fmt::print("own error    {:.3e} rms, of the {} samples that sampling is measured against{}\n", sampling.ownError,
+             sampling.samples, sampling.converged ? "" : ": did not converge");
+}
+
+void tellEnvelope(const EnvelopeRule& rule) {
+  fmt::print("envelope     {:.4f} % off by more than {:g}, {:.4f} % excused, {} pixels outside\n", 100 * rule.needed,
+             kEnvelopeTolerance, 100 * rule.excused, rule.outside);
+  fmt::print("the rest     99: {:.3e}   99.9: {:.3e}\n", rule.p99, rule.p999);
+}
+
+// The two pictures, and what else is known of their difference.
+struct Compared {
+  Image a, b;
+  std::optional<Decomposition> decomposition;
+  std::optional<EnvelopeRule> envelope;
+};
+
+// `reference` is the picture with the options' geometry; the other geometry's is rendered here.
+Decomposition decompose(const SamplingError& sampling, const Image& shader, const Image& reference, const Scene& scene,
+                        const RenderSettings& settings, const RenderOptions& options, double threshold) {
+  const bool isRounded = options.geometry == Geometry::rounded;
+  RenderOptions otherwise = options;
+  otherwise.geometry = isRounded ? Geometry::exact : Geometry::rounded;
+  const Image other = renderWithReference(scene, settings, otherwise).image;
+  const Image &rounded = isRounded ? reference : other, &exact = isRounded ? other : reference;
+  return {sampling, compareImages(shader, rounded, threshold), compareImages(rounded, exact, threshold)};
+}
+
+EnvelopeRule measureEnvelope(const Image& shader, const Image& reference, const Scene& scene,
+                             const RenderSettings& settings, const RenderOptions& options) {
+  const std::vector<Pixel> apart = pixelsApart(shader, reference);
+  const double samples = double(apart.size()) * settings.samples * settings.samples;
+  ProgressLine progress("envelope", samples, options.quiet);
+  return applyEnvelope(shader, reference, apart,
+                       renderEnvelope(geometryOf(scene, options), settings, apart, std::ref(progress)));
+}
+
+Compared compareScene(const CompareOptions& compare, RenderOptions options) {
+  options.quiet |= compare.json;  // stdout belongs to the figures
+  const Scene scene = loadAndTell(options);
+  const RenderSettings settings = settingsFor(scene, options);
+  Compared result;
+  SamplingError sampling;
+  {
+    UploadedScene uploaded(scene, settings, options);
+    result.a = uploaded.render(settings);
+    const auto more = [&](const RenderSettings& finer) { return uploaded.render(finer, "more samples"); };
+    if (compare.decompose) sampling = measureSampling(result.a, settings, more, compare.threshold);
+  }
+  throwIfInvalid();
+  result.b = renderWithReference(scene, settings, options).image;
+  if (compare.decompose)
+    result.decomposition = decompose(sampling, result.a, result.b, scene, settings, options, compare.threshold);
+  if (compare.envelope) result.envelope = measureEnvelope(result.a, result.b, scene, settings, options);
+  return result;
+}
+
+Compared compareFiles(const CompareOptions& compare) {
+  if (!compare.errorImage.empty()) refuseOverwriting({compare.errorImage}, compare.files);
+  return {.a = readExr(compare.files[0]), .b = readExr(compare.files[1]), .decomposition = {}, .envelope = {}};
 }
 
 }  // namespace
@@ -268,28 +365,20 @@ int runRender(const RenderOptions& options) {
 
 int runCompare(const CompareOptions& compare, const RenderOptions& render) {
   if (!compare.errorImage.empty()) checkOutput(compare.errorImage, false);
-  Image a, b;
-  if (compare.files.size() == 2) {
-    if (!compare.errorImage.empty()) refuseOverwriting({compare.errorImage}, compare.files);
-    a = readExr(compare.files[0]);
-    b = readExr(compare.files[1]);
-  } else {
-    if (lowerExtension(compare.files[0]) == ".exr")
-      throw InputError("name a second picture to compare " + compare.files[0] + " with");
-    RenderOptions options = render;
-    options.quiet |= compare.json;  // stdout belongs to the figures
-    const Scene scene = loadAndTell(options);
-    const RenderSettings settings = settingsFor(scene, options);
-    a = renderWithShader(scene, settings, options, false).image;
-    throwIfInvalid();
-    b = renderWithReference(scene, settings, options).image;
-  }
+  const bool isScene = compare.files.size() == 1;
+  if (isScene && lowerExtension(compare.files[0]) == ".exr")
+    throw InputError("name a second picture to compare " + compare.files[0] + " with");
+  const Compared compared = isScene ? compareScene(compare, render) : compareFiles(compare);
+  const auto& [a, b, decomposition, envelope] = compared;
 
   const Comparison comparison = compareImages(a, b, compare.threshold);
-  if (compare.json)
-    fmt::print("{}", comparisonJson(comparison));
-  else if (!render.quiet)
+  if (compare.json) {
+    fmt::print("{}", comparisonJson(comparison, decomposition, envelope));
+  } else if (!render.quiet) {
     tellFigures(comparison, compare.threshold);
+    if (decomposition) tellDecomposition(*decomposition);
+    if (envelope) tellEnvelope(*envelope);
+  }
   if (!compare.errorImage.empty()) writeWholeFile(compare.errorImage, encodeExr(errorImage(a, b), {}));
   const std::vector<std::string> broken = brokenBounds(comparison, compare.bounds);
   for (const std::string& bound : broken) fmt::print(stderr, "turner: error: {}\n", bound);

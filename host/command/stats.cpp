@@ -56,6 +56,22 @@ class JsonText {
   rapidjson::PrettyWriter<rapidjson::StringBuffer> writer_{buffer_};
 };
 
+void putFigures(JsonText& json, const Comparison& comparison) {
+  json.put("rmse", comparison.rmse);
+  json.put("rel_rmse", comparison.relRmse);
+  json.put("mae", comparison.mae);
+  json.put("max", comparison.max);
+  json.put("mean_signed", comparison.meanSigned);
+  json.put("p50", comparison.p50);
+  json.put("p99", comparison.p99);
+  json.put("p999", comparison.p999);
+  json.put("bad_pixels", comparison.badPixels);
+  json.put("nan", comparison.nan);
+  json.put("inf", comparison.inf);
+  json.put("width", comparison.width);
+  json.put("height", comparison.height);
+}
+
 }  // namespace
 
 std::string statsJson(const Stats& stats) {
@@ -118,22 +134,33 @@ std::string statsJson(const Stats& stats) {
   return json.text();
 }
 
-std::string comparisonJson(const Comparison& comparison) {
+std::string comparisonJson(const Comparison& comparison, const std::optional<Decomposition>& decomposition,
+                           const std::optional<EnvelopeRule>& envelope) {
   JsonText json;
   json.object([&] {
-    json.put("rmse", comparison.rmse);
-    json.put("rel_rmse", comparison.relRmse);
-    json.put("mae", comparison.mae);
-    json.put("max", comparison.max);
-    json.put("mean_signed", comparison.meanSigned);
-    json.put("p50", comparison.p50);
-    json.put("p99", comparison.p99);
-    json.put("p999", comparison.p999);
-    json.put("bad_pixels", comparison.badPixels);
-    json.put("nan", comparison.nan);
-    json.put("inf", comparison.inf);
-    json.put("width", comparison.width);
-    json.put("height", comparison.height);
+    putFigures(json, comparison);
+    if (decomposition) {
+      json.object("decompose", [&] {
+        const SamplingError& sampling = decomposition->sampling;
+        json.object("sampling", [&] {
+          putFigures(json, sampling.figures);
+          json.put("own_error", sampling.ownError);
+          json.put("converged", sampling.converged);
+          json.put("samples", sampling.samples);
+        });
+        json.object("arithmetic", [&] { putFigures(json, decomposition->arithmetic); });
+        json.object("quantisation", [&] { putFigures(json, decomposition->quantisation); });
+      });
+    }
+    if (envelope) {
+      json.object("envelope", [&] {
+        json.put("needed", envelope->needed);
+        json.put("excused", envelope->excused);
+        json.put("outside", envelope->outside);
+        json.put("p99", envelope->p99);
+        json.put("p999", envelope->p999);
+      });
+    }
   });
   return json.text();
 }

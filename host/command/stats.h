@@ -1,10 +1,13 @@
 // Figures as JSON, for --stats, compare --json and devices --json. RapidJSON's writer appears in stats.cpp only.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "command/decompose.h"
 #include "picture/compare.h"
+#include "picture/envelope.h"
 #include "picture/settings.h"
 #include "scene/scene.h"
 #include "shader/devices.h"
@@ -30,7 +33,8 @@ struct Stats {
 };
 
 std::string statsJson(const Stats& stats);
-std::string comparisonJson(const Comparison& comparison);
+std::string comparisonJson(const Comparison& comparison, const std::optional<Decomposition>& decomposition,
+                           const std::optional<EnvelopeRule>& envelope);
 std::string devicesJson(const std::vector<DeviceInfo>& devices);
 
 }  // namespace turner

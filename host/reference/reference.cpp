@@ -20,6 +20,8 @@
 #include <cstdint>
 #include <exception>
 #include <functional>
+#include <future>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
 #include <glm/vec2.hpp>
@@ -31,6 +33,7 @@
 #include <utility>
 #include <vector>
 
+#include "cores.h"
 #include "reference/reference_tree.h"
 
 namespace turner {
@@ -364,6 +367,14 @@ bool refract(const dvec3& V, const dvec3& N, double ratio, dvec3& T) {
   return true;
 }
 
+// What an eye ray's direction may err by: the corners of a box of 4 ulp, and of smaller ones inside it, because at the
+// rim of a curved mirror the extreme lies between the corners.
+constexpr int kEnvelopeRays = 8 * 4;
+dvec3 directionError(int k) {
+  const double size = std::ldexp(4 * 0x1p-24, -(k >> 3));
+  return {k & 1 ? size : -size, k & 2 ? size : -size, k & 4 ? size : -size};
+}
+
 // Traces the ray trees of one thread and counts their rays.
 class Tracer {
  public:
@@ -381,8 +392,7 @@ class Tracer {
     for (int j = 0; j < n; ++j)
       for (int i = 0; i < n; ++i) {
         ++counts.eye;
-        const dvec3 d = plane.directionThrough(samplePosition(x, y, i, j, settings));
-        const dvec3 term = radiance(makeRay(scene.camera.eye, d, kNothing), 1, 1) - lost;
+        const dvec3 term = seenAlong(plane.directionThrough(samplePosition(x, y, i, j, settings))) - lost;
         const dvec3 next = sum + term;
         lost = (next - sum) - term;
         sum = next;
@@ -390,9 +400,30 @@ class Tracer {
     return sum / double(n * n);
   }
 
+  // The means of the samples' least and largest values.
+  PixelBounds pixelBounds(int x, int y) {
+    const int n = settings.samples;
+    PixelBounds sum;
+    for (int j = 0; j < n; ++j)
+      for (int i = 0; i < n; ++i) {
+        const dvec3 d = plane.directionThrough(samplePosition(x, y, i, j, settings));
+        dvec3 least = seenAlong(d), most = least;
+        for (int k = 0; k < kEnvelopeRays; ++k) {
+          const dvec3 color = seenAlong(glm::normalize(d + directionError(k)));
+          least = glm::min(least, color);
+          most = glm::max(most, color);
+        }
+        sum.least += least;
+        sum.most += most;
+      }
+    return {sum.least / double(n * n), sum.most / double(n * n)};
+  }
+
   RayCounts counts;
 
  private:
+  dvec3 seenAlong(const dvec3& direction) { return radiance(makeRay(scene.camera.eye, direction, kNothing), 1, 1); }
+
   // What comes back along the ray, which is of this level of its tree and counts in the pixel with this weight.
   dvec3 radiance(const Ray& ray, int level, double weight) {
     if (stop.stop_requested()) return dvec3(0);
@@ -566,6 +597,32 @@ ReferencePicture renderReference(const Scene& scene, const RenderSettings& setti
   if (progress) progress(1);
   picture.rays = work.rays;
   return picture;
+}
+
+std::vector<PixelBounds> renderEnvelope(const Scene& scene, const RenderSettings& settings,
+                                        std::span<const Pixel> pixels, const Progress& progress) {
+  const World world(scene, ReferenceSearch::tree);
+  std::vector<PixelBounds> bounds(pixels.size());
+  std::stop_source stop;
+  std::atomic<size_t> done = 0;
+  std::future<void> work = std::async(std::launch::async, [&] {
+    onAllCores(pixels.size(), [&](size_t i) {
+      if (stop.stop_requested()) return;
+      bounds[i] = Tracer(world, settings, stop.get_token()).pixelBounds(pixels[i].x, pixels[i].y);
+      ++done;
+    });
+  });
+  // This thread reports ten times a second until the others are through; leaving early, it waits for them.
+  try {
+    while (work.wait_for(std::chrono::milliseconds(100)) != std::future_status::ready)
+      if (progress) progress(double(done) / double(pixels.size()));
+  } catch (...) {
+    stop.request_stop();
+    throw;
+  }
+  work.get();
+  if (progress) progress(1);
+  return bounds;
 }
 
 }  // namespace turner

@@ -2,6 +2,10 @@
 // own. Shares the scene and the settings with the shader's path, and no tracing code.
 #pragma once
 
+#include <span>
+#include <vector>
+
+#include "picture/envelope.h"
 #include "picture/image.h"
 #include "picture/settings.h"
 #include "scene/scene.h"
@@ -20,5 +24,10 @@ enum class ReferenceSearch { tree, bruteForce };
 // The picture does not depend on the number of cores, nor on the crop.
 ReferencePicture renderReference(const Scene& scene, const RenderSettings& settings, const Progress& progress = {},
                                  ReferenceSearch search = ReferenceSearch::tree);
+
+// For each of the pixels, what its channels may become where every eye ray errs by up to 4 ulp of a float near 1 in
+// each component of its direction: the means of its samples' minima and maxima. Runs on all cores.
+std::vector<PixelBounds> renderEnvelope(const Scene& scene, const RenderSettings& settings,
+                                        std::span<const Pixel> pixels, const Progress& progress = {});
 
 }  // namespace turner
