@@ -238,7 +238,7 @@ void tellFigures(const Comparison& c, double threshold) {
 }
 
 void tellDecomposition(const Decomposition& decomposition) {
-  fmt::print("{:<13}{:<11}{:<11}{:<11}{:<11}{:<11}{}\n", "", "rmse", "50", "99", "99.9", "max", "signed");
+  fmt::print("{:<13}{:<11}{:<11}{:<11}{:<11}{:<11}{}\n", "", "rmse", "p50", "p99", "p99.9", "max", "signed");
   const auto tell = [](const char* name, const Comparison& c) {
     fmt::print("{:<13}{:<11.3e}{:<11.3e}{:<11.3e}{:<11.3e}{:<11.3e}{:+.3e}\n", name, c.rmse, c.p50, c.p99, c.p999,
                c.max, c.meanSigned);
