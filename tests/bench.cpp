@@ -2,10 +2,9 @@
 // the same rays and shading: Turner's kernel on a Vulkan device, an Embree-based Whitted tracer on all cores, and with
 // --povray POV-Ray. Before any clock runs, the pictures and ray counts of the first two must agree, else the run fails.
 // Prints a Markdown table, row by row; --json writes every figure.
-// usage: turner_bench [SCENE...] [options]      turner_bench --write-obj FILE --triangles N
+// usage: turner_bench [SCENE...] [options]      turner_bench --price [SCENE...] [options]
+//        turner_bench --write-obj FILE --triangles N
 #include <fmt/format.h>
-#include <rapidjson/prettywriter.h>
-#include <rapidjson/stringbuffer.h>
 #include <sys/wait.h>
 
 #include <CLI/CLI.hpp>
@@ -28,7 +27,9 @@
 #include "bumpy_spheres.h"
 #include "embree_tracer.h"
 #include "errors.h"
+#include "json_file.h"
 #include "picture/output_file.h"
+#include "price.h"
 #include "scene/mesh_obj.h"
 #include "scene/scene_load.h"
 #include "scene/text_file.h"
@@ -38,6 +39,8 @@
 #include "shader/pack.h"
 #include "shader/render.h"
 #include "shader/round_scene.h"
+#include "spread.h"
+#include "temporary_folder.h"
 
 namespace turner::test {
 namespace {
@@ -51,17 +54,6 @@ double secondsSince(Clock::time_point start) {
 }
 
 // ---- What is measured ----
-
-// The median of some runs and how far they lie apart.
-struct Spread {
-  double median = 0, least = 0, most = 0;
-};
-
-Spread spreadOf(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const size_t n = values.size();
-  return {0.5 * (values[(n - 1) / 2] + values[n / 2]), values.front(), values.back()};
-}
 
 // What the kernel did, by its counters.
 struct KernelWork {
@@ -128,7 +120,8 @@ struct Options {
   std::string device, json, writeObj;
   Fetch fetch = Fetch::automatic;
   double peakGflops = 0;  // 0: not told
-  bool povray = false, everything = false;
+  bool povray = false, everything = false, price = false;
+  size_t priceRays = 1'000'000;
   size_t maxTriangles = 1'000'000, triangles = 1'000'000;
   int width = 0, height = 0;  // 0: the scene's own
 };
@@ -295,20 +288,6 @@ bool hasCones(const std::string& nff) {
     if (line == "c" || line.starts_with("c ")) return true;
   return false;
 }
-
-// A folder of its own, gone with everything in it at the end.
-struct TemporaryFolder {
-  TemporaryFolder() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "turner_bench_XXXXXX").string();
-    if (!mkdtemp(pattern.data())) throw RunError("cannot make a temporary folder: mkdtemp failed");
-    path = pattern;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;  // a folder left behind in /tmp is no failure of the benchmark
-    std::filesystem::remove_all(path, ignored);
-  }
-  std::filesystem::path path;
-};
 
 // "Trace Time: 0 hours 0 minutes 1 seconds (1.234 seconds)": the number in brackets.
 std::optional<double> traceTimeOf(const std::string& statistics) {
@@ -494,77 +473,6 @@ std::string cpuModel() {
 
 // ---- JSON ----
 
-class JsonFile {
- public:
-  JsonFile() { writer_.SetIndent(' ', 2); }
-  template <class Fill>
-  void object(const char* key, Fill&& fill) {
-    if (key) writer_.Key(key);
-    writer_.StartObject();
-    fill();
-    writer_.EndObject();
-  }
-  template <class Fill>
-  void array(const char* key, Fill&& fill) {
-    writer_.Key(key);
-    writer_.StartArray();
-    fill();
-    writer_.EndArray();
-  }
-  void put(const char* key, double value) {
-    writer_.Key(key);
-    writer_.Double(value);
-  }
-  void put(const char* key, uint64_t value) {
-    writer_.Key(key);
-    writer_.Uint64(value);
-  }
-  void put(const char* key, const std::string& value) {
-    writer_.Key(key);
-    writer_.String(value.c_str());
-  }
-  void put(const char* key, const std::optional<double>& value) {
-    writer_.Key(key);
-    value ? writer_.Double(*value) : writer_.Null();
-  }
-  void put(const char* key, const Spread& spread) {
-    object(key, [&] {
-      put("median", spread.median);
-      put("min", spread.least);
-      put("max", spread.most);
-    });
-  }
-  void put(const char* key, const RayCounts& rays) {
-    object(key, [&] {
-      put("eye", rays.eye);
-      put("reflected", rays.reflected);
-      put("refracted", rays.refracted);
-      put("shadow", rays.shadow);
-    });
-  }
-  void put(const char* key, const KernelWork::PerRay& work) {
-    object(key, [&] {
-      put("nodes", work.nodes);
-      put("primitives", work.primitives);
-    });
-  }
-  void put(const char* key, const std::vector<double>& values) {
-    array(key, [&] {
-      for (const double value : values) writer_.Double(value);
-    });
-  }
-  void put(const char* key, const std::vector<std::string>& values) {
-    array(key, [&] {
-      for (const std::string& value : values) writer_.String(value.c_str());
-    });
-  }
-  std::string text() const { return std::string(buffer_.GetString()) + '\n'; }
-
- private:
-  rapidjson::StringBuffer buffer_;
-  rapidjson::PrettyWriter<rapidjson::StringBuffer> writer_{buffer_};
-};
-
 void writeMeasurement(JsonFile& json, const Measurement& m) {
   json.put("scene", m.scene);
   json.put("width", uint64_t(m.width));
@@ -586,10 +494,16 @@ void writeMeasurement(JsonFile& json, const Measurement& m) {
   json.put("bytes_per_primitive", m.bytesPerPrimitive);
   json.put("embree_bytes_per_primitive", m.embreeBytesPerPrimitive);
   json.object("work_per_ray", [&] {
-    json.put("eye", m.work.eye);
-    json.put("reflected", m.work.reflected);
-    json.put("refracted", m.work.refracted);
-    json.put("shadow", m.work.shadow);
+    const auto put = [&](const char* kind, const KernelWork::PerRay& work) {
+      json.object(kind, [&] {
+        json.put("nodes", work.nodes);
+        json.put("primitives", work.primitives);
+      });
+    };
+    put("eye", m.work.eye);
+    put("reflected", m.work.reflected);
+    put("refracted", m.work.refracted);
+    put("shadow", m.work.shadow);
   });
   json.put("roofline_share", m.work.rooflineShare);
   json.put("everything_ratio", m.everythingRatio ? std::optional(m.everythingRatio->median) : std::nullopt);
@@ -622,13 +536,44 @@ std::string benchJson(const std::vector<Measurement>& measurements, const Summar
 
 // ---- The program ----
 
+DeviceInfo wantedDevice(const Options& options) {
+  const char* environment = std::getenv("TURNER_DEVICE");
+  return chooseDevice(listDevices(), !options.device.empty() ? options.device : environment ? environment : "");
+}
+
+// The scenes that --price measures if none are named.
+std::vector<BenchScene> defaultPriceScenes() {
+  std::vector<BenchScene> scenes;
+  for (const BenchScene& scene : defaultScenes(0))
+    for (const char* name : {"spheres.json", "glass.json", "spot.json", "balls.nff", "gears.nff", "teapot.nff"})
+      if (scene.name == name) scenes.push_back(scene);
+  return presentScenes(scenes);
+}
+
+int priceOfRobustness(const Options& options) {
+  if (!options.json.empty()) checkWritable(options.json);
+  std::vector<PricedScene> scenes;
+  for (const BenchScene& scene : options.scenes.empty() ? defaultPriceScenes() : chooseScenes(options))
+    scenes.push_back({scene.name, makeScene(scene)});
+  if (options.scenes.empty())
+    for (PricedScene& scene : extremeScenes()) scenes.push_back(std::move(scene));
+  RenderSettings picture;
+  picture.width = options.width > 0 ? options.width : 512;
+  picture.height = options.height > 0 ? options.height : 512;
+  picture.crop = {0, 0, picture.width, picture.height};
+  picture.depth = kDepth;
+  const DeviceInfo device = wantedDevice(options);
+  fmt::print("device: {} ({})\nCPU: {}\n{} interleaved runs at {} x {}, depth {}\n\n", device.name, device.driver,
+             cpuModel(), options.runs, picture.width, picture.height, kDepth);
+  const std::string json = price(scenes, {device, options.fetch, picture, options.runs, options.priceRays});
+  if (!options.json.empty()) writeWholeFile(options.json, json);
+  return 0;
+}
+
 int bench(const Options& options) {
   if (!options.json.empty()) checkWritable(options.json);
   const std::vector<BenchScene> scenes = chooseScenes(options);
-  const char* environment = std::getenv("TURNER_DEVICE");
-  const DeviceInfo device = chooseDevice(listDevices(), !options.device.empty() ? options.device
-                                                        : environment           ? environment
-                                                                                : "");
+  const DeviceInfo device = wantedDevice(options);
   TurnerSide turner(device, options.fetch);
   fmt::print("device: {} ({}), fetching {}\nCPU: {}\nEmbree {}\n{} interleaved runs, depth {}\n\n", device.name,
              device.driver, fetchName(turner.fetch()), cpuModel(), embreeVersion(), options.runs, kDepth);
@@ -682,6 +627,11 @@ int run(int argc, char** argv) {
   app.add_option("--json", options.json, "File for all figures");
   app.add_flag("--povray", options.povray, "Measure POV-Ray too, on NFF scenes");
   app.add_flag("--everything", options.everything, "Measure the kernel with everything compiled in, too");
+  app.add_flag("--price", options.price,
+               "Measure instead what each means of robustness costs, and which failures it removes");
+  app.add_option("--price-rays", options.priceRays, "Rays of each measurement of failures")
+      ->check(CLI::Range(size_t(1000), size_t(100'000'000)))
+      ->capture_default_str();
   app.add_option("--max-triangles", options.maxTriangles, "Bounds the procedural meshes")->capture_default_str();
   app.add_option("--width", options.width, "Of the pictures (default: 512; procedural 1024)")
       ->check(CLI::Range(1, kMaxSize));
@@ -696,6 +646,7 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }
+  if (options.price) return priceOfRobustness(options);
   if (options.writeObj.empty()) return bench(options);
   writeBumpyObj(options.writeObj, options.triangles);
   return 0;

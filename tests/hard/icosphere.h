@@ -1,4 +1,4 @@
-// A closed convex mesh.
+// A closed convex mesh, and rays from inside that must hit it.
 #pragma once
 
 #include <array>
@@ -6,6 +6,7 @@
 #include <map>
 #include <vector>
 
+#include "hard/cases.h"
 #include "hard/vectors.h"
 #include "scene/scene.h"
 
@@ -51,6 +52,31 @@ inline Scene icosphere(int levels, double radius, const dvec3& centre) {
         {{centre + radius * corners[a], centre + radius * corners[b], centre + radius * corners[c]}});
   scene.camera = {.eye = centre, .target = centre + dvec3(0, 0, radius)};
   return scene;
+}
+
+// A ray from inside a closed mesh, aimed at a vertex, an edge or anywhere.
+struct Aimed {
+  Query query;
+  size_t triangle;  // that has the aim
+};
+
+// A point of a triangle: a vertex, one on an edge, or one inside.
+inline dvec3 aimAt(const Triangle& triangle, int kind, Random& random) {
+  const auto& v = triangle.vertices;
+  const size_t corner = random() % 3;
+  if (kind == 0) return v[corner];
+  if (kind == 1) return v[corner] + uniform(random, 0, 1) * (v[(corner + 1) % 3] - v[corner]);
+  const double s = std::sqrt(uniform(random, 0, 1)), u = uniform(random, 0, 1);
+  return (1 - s) * v[0] + s * (1 - u) * v[1] + s * u * v[2];
+}
+
+inline Aimed aimedRay(const Scene& local, Random& random, const dvec3& centre, double radius) {
+  Aimed aimed;
+  aimed.triangle = random() % local.triangles.size();
+  const dvec3 target = aimAt(local.triangles[aimed.triangle], int(random() % 3), random);
+  aimed.query.ray.origin = vec3(centre + uniform(random, 0, 0.7) * radius * randomDirection(random));
+  aimed.query.ray.direction = vec3(glm::normalize(target - dvec3(aimed.query.ray.origin)));
+  return aimed;
 }
 
 }  // namespace turner::hard

@@ -57,8 +57,8 @@ bool isBound(uint binding) {
          binding >= gpu::kBindNodes;
 }
 
-Kernel makeKernel(const Device& device, Fetch fetch, const std::string& file, const Features& features) {
-  const Spirv spirv = compileGlsl(std::string(TURNER_TESTS_DIR "/hard/kernels/") + file, fetchPreamble(fetch));
+Kernel makeKernel(const Device& device, Fetch fetch, const std::string& path, const Features& features) {
+  const Spirv spirv = compileGlsl(path, fetchPreamble(fetch));
   std::vector<vk::DescriptorSetLayoutBinding> bindings;
   for (uint i = 0; i < gpu::kBindCount; ++i)
     if (isBound(i)) bindings.push_back({i, typeOf(i, fetch), 1, vk::ShaderStageFlagBits::eCompute});
@@ -88,7 +88,7 @@ Kernel makeKernel(const Device& device, Fetch fetch, const std::string& file, co
   const vk::PipelineShaderStageCreateInfo stage({}, vk::ShaderStageFlagBits::eCompute, *module, "main",
                                                 &specialization);
   kernel.pipeline.emplace(device.vulkan(), nullptr, vk::ComputePipelineCreateInfo({}, stage, **kernel.layout));
-  device.name(*kernel.pipeline, file);
+  device.name(*kernel.pipeline, path);
   throwIfInvalid();
   return kernel;
 }
@@ -147,7 +147,10 @@ DeviceInfo wantedDevice() {
 }  // namespace
 
 struct Kernels::Parts {
-  Device device{wantedDevice()};
+  Parts(const DeviceInfo& info, const std::string& folder) : device(info), kernels(folder + "/tests/hard/kernels/") {}
+
+  Device device;
+  std::string kernels;  // the folder of their sources
   Fetch fetch = fetchOf(device);
   Scene local;
   Features features;
@@ -192,8 +195,10 @@ void Kernels::Parts::bind(const Kernel& kernel, const Rows& rows, const Buffer& 
   device.vulkan().updateDescriptorSets(writes, {});
 }
 
-Kernels::Kernels() : parts_(std::make_unique<Parts>()) {
-  parts_->naiveStep = makeKernel(parts_->device, parts_->fetch, "naive.comp", {});
+Kernels::Kernels() : Kernels(wantedDevice(), TURNER_TESTS_DIR "/..") {}
+Kernels::Kernels(const DeviceInfo& device, const std::string& folder)
+    : parts_(std::make_unique<Parts>(device, folder)) {
+  parts_->naiveStep = makeKernel(parts_->device, parts_->fetch, parts_->kernels + "naive.comp", {});
 }
 Kernels::~Kernels() = default;
 
@@ -215,7 +220,7 @@ void Kernels::setScene(const Scene& world) {
   });
 }
 
-void Kernels::setScene(const Scene& world, Bvh (*build)(std::span<const Box>, size_t, const BvhLimits&)) {
+void Kernels::setScene(const Scene& world, const BuildTree& build) {
   Parts& parts = *parts_;
   Scene local = roundScene(world);
   checkReach(local);
@@ -246,7 +251,7 @@ void Kernels::setScene(const Scene& world, Bvh (*build)(std::span<const Box>, si
   const Features &a = parts.features, &b = parts.stepFeatures;
   if (!parts.step || a.spheres != b.spheres || a.triangles != b.triangles || a.smoothNormals != b.smoothNormals ||
       a.nearSpheres != b.nearSpheres || a.farSpheres != b.farSpheres) {
-    parts.step = makeKernel(parts.device, parts.fetch, "step.comp", parts.features);
+    parts.step = makeKernel(parts.device, parts.fetch, parts.kernels + "step.comp", parts.features);
     parts.stepFeatures = parts.features;
   }
   parts.local = std::move(local);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <glm/vec3.hpp>
 #include <memory>
 #include <span>
@@ -12,6 +13,7 @@
 #include "layout.h"
 #include "scene/scene.h"
 #include "shader/bvh.h"
+#include "shader/devices.h"
 
 namespace turner::hard {
 
@@ -50,10 +52,12 @@ struct Found {
 // Which tracer: the shader's functions, or textbook formulas (kernels/naive.comp).
 enum class Tracer { turner, naive };
 
-// Opens the device that TURNER_DEVICE names, else the best one, and compiles both kernels. Throws without a device.
 class Kernels {
  public:
+  // Opens the device that TURNER_DEVICE names, else the best one, and compiles both kernels. Throws without a device.
   Kernels();
+  // On this device, and by the sources in `folder`, which has shaders/ and tests/hard/kernels/.
+  Kernels(const DeviceInfo& device, const std::string& folder);
   ~Kernels();
 
   std::string deviceName() const;
@@ -62,7 +66,8 @@ class Kernels {
   // is the origin, scaled and rounded. `bvh` replaces the renderer's tree.
   void setScene(const Scene& world);
   // The same with a tree of the test's.
-  void setScene(const Scene& world, Bvh (*build)(std::span<const Box>, size_t, const BvhLimits&));
+  using BuildTree = std::function<Bvh(std::span<const Box>, size_t, const BvhLimits&)>;
+  void setScene(const Scene& world, const BuildTree& build);
   // What the kernel has: the result of roundScene.
   const Scene& local() const;
   // For the naive tracer: hits at this distance or nearer do not count.

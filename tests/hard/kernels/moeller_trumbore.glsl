@@ -1,0 +1,27 @@
+// What --price puts in the place of meetPair: Moeller and Trumbore's test (JGT 2(1), 1997) of both triangles of a pair.
+// The edge that they share is tested twice, by different arithmetic.
+
+// Distance to the triangle of a corner and two edges, or kNoHit.
+float moellerTrumbore(const Ray ray, const vec3 corner, const vec3 e1, const vec3 e2) {
+  vec3 p = cross(ray.direction, e2);
+  float inverseDet = 1.0 / dot(e1, p);
+  vec3 s = ray.origin - corner, q = cross(s, e1);
+  float u = dot(s, p) * inverseDet, v = dot(ray.direction, q) * inverseDet, t = dot(e2, q) * inverseDet;
+  // Written so that the NaN of a triangle seen edge-on is no hit.
+  return lesser(u, v) >= 0.0 && u + v <= 1.0 && t > 0.0 ? t : kNoHit;
+}
+
+Meeting meetPair(const Ray ray, const RayFactors factors, const uint pair) {
+  uint row = kUnitRows * (pair & kRefPlaceMask);
+  Row v0 = ROW(primitives, row + kPairV0), v1 = ROW(primitives, row + kPairV1), v2 = ROW(primitives, row + kPairV2),
+      v3 = ROW(primitives, row + kPairV3);
+  vec3 a = xyz(v0), b = xyz(v1), c = xyz(v2), d = xyz(v3);
+  uint first = pair & ~kRefSecond, second = pair | kRefSecond, leaving = ray.leaving & ~kLeavesInward;
+  float tFirst = moellerTrumbore(ray, a, b - a, c - a), tSecond = moellerTrumbore(ray, d, c - d, b - d);
+  bool inFirst = tFirst < kNoHit && leaving != first && pair == first;
+  bool inSecond = tSecond < kNoHit && leaving != second;
+  bool isSecond = inSecond && !inFirst;
+  float t = inFirst ? tFirst : inSecond ? tSecond : kNoHit;
+  uint tested = pair != first ? 0u : v3.w != kRefNone ? 2u : 1u;
+  return Meeting(t, isSecond ? second : first, isSecond ? v3.w : v0.w, inFirst && inSecond, tested);
+}
