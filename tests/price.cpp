@@ -26,10 +26,10 @@ namespace {
 
 struct Switch {
   std::string name, without;  // what the variant does instead
-  std::vector<Replacement> replacements;
+  std::vector<Replacement> replacements = {};
   bool exactBoxes = false;
   bool (*matters)(const Features&);  // whether a scene's kernel has it at all
-  std::vector<MeasureFailures> failures;
+  std::vector<MeasureFailures> failures = {};
 };
 
 // Renames a function of the shader and includes another one of its name before what follows it.
@@ -45,60 +45,73 @@ Replacement forceOff(const std::string& name, const std::string& id) {
           "const bool " + name + " = false;"};
 }
 
+bool always(const Features&) {
+  return true;
+}
+
 std::vector<Switch> allSwitches() {
+  const Replacement safeInverse{"safe inverse", "intersect.glsl", "factors.inverse = 1.0 / safe;",
+                                "factors.inverse = 1.0 / direction;"};
+  const Replacement start{"start of a ray", "shade.glsl",
+                          "surface.point + step * direction + (surface.margin - step * cosine) * away;",
+                          "surface.point;"};
+  const Replacement leaving{"what a ray leaves", "shade.glsl", "primitive | (inward ? kLeavesInward : 0u)", "kRefNone"};
+  const std::string numerics = "// Arithmetic where plain float32 is not enough.";
+  const Replacement precise{"head of numerics", "numerics.glsl", numerics, "#define precise\n" + numerics};
   std::vector<Replacement> slabs =
       replaceFunction("traverse.glsl", "float", "enterBox", "vec3 planesAt(", "plain_slabs.glsl");
-  slabs.push_back(
-      {"safe inverse", "intersect.glsl", "factors.inverse = 1.0 / safe;", "factors.inverse = 1.0 / direction;"});
-  return {{"watertight edge test",
-           "Möller and Trumbore's",
+  slabs.push_back(safeInverse);
+  return {
+      {.name = "watertight edge test",
+       .without = "Möller and Trumbore's",
+       .replacements =
            replaceFunction("traverse.glsl", "Meeting", "meetPair", "bool visitShape(", "moeller_trumbore.glsl"),
-           false,
-           [](const Features& features) { return features.triangles; },
-           {leaksOfIcosphere}},
-          {"widened slabs, padded boxes",
-           "plain slabs, exact boxes",
-           slabs,
-           true,
-           [](const Features& features) { return features.nearestNodes || features.shadowNodes; },
-           {missesOfSoup}},
-          {"compensated spheres near the eye",
-           "the same as the others",
-           {forceOff("NEAR_SPHERES", "kSpecNearSpheres")},
-           false,
-           [](const Features& features) { return features.nearSpheres; },
-           {wrongHorizon}},
-          {"compensated spheres far away",
-           "the same as the others",
-           {forceOff("FAR_SPHERES", "kSpecFarSpheres")},
-           false,
-           [](const Features& features) { return features.farSpheres; },
-           {wrongSilhouette}},
-          {"start offset by its error bound",
-           "none",
-           replaceFunction("shade.glsl", "Ray", "leaveSurface", "Ray leaveToLight(", "plain_start.glsl"),
-           false,
-           [](const Features&) { return true; },
-           {falseSelfHits}},
-          {"exclusion of the primitive that a ray leaves",
-           "none",
-           {{"leaving", "shade.glsl", "primitive | (inward ? kLeavesInward : 0u)", "kRefNone"}},
-           false,
-           [](const Features&) { return true; },
-           {falseSelfHits}},
-          {"precise",
-           "left out",
-           {{"head of numerics.glsl", "numerics.glsl", "// Arithmetic where plain float32 is not enough.",
-             "#define precise\n// Arithmetic where plain float32 is not enough."}},
-           false,
-           [](const Features&) { return true; },
-           {leaksOfIcosphere, wrongHorizon, wrongRefraction}},
-          {"Snell's law with twice the digits",
-           "in float",
-           replaceFunction("shade.glsl", "bool", "refracted", "bool transmission(", "plain_snell.glsl"),
-           false,
-           [](const Features& features) { return features.refraction; },
-           {wrongRefraction}}};
+       .matters = [](const Features& features) { return features.triangles; },
+       .failures = {leaksOfIcosphere}},
+      {.name = "widened slabs, padded boxes",
+       .without = "plain slabs, exact boxes",
+       .replacements = slabs,
+       .exactBoxes = true,
+       .matters = [](const Features& features) { return features.nearestNodes || features.shadowNodes; },
+       .failures = {missesOfSoup}},
+      {.name = "compensated spheres near the eye",
+       .without = "the formulas of other spheres",
+       .replacements = {forceOff("NEAR_SPHERES", "kSpecNearSpheres")},
+       .matters = [](const Features& features) { return features.nearSpheres; },
+       .failures = {wrongHorizon}},
+      {.name = "compensated spheres far away",
+       .without = "the formulas of other spheres",
+       .replacements = {forceOff("FAR_SPHERES", "kSpecFarSpheres")},
+       .matters = [](const Features& features) { return features.farSpheres; },
+       .failures = {wrongSilhouette}},
+      {.name = "start offset by its error bound",
+       .without = "no offset",
+       .replacements = {start},
+       .matters = always,
+       .failures = {falseSelfHits}},
+      {.name = "exclusion of the primitive that a ray leaves",
+       .without = "none is excluded",
+       .replacements = {leaving},
+       .matters = always,
+       .failures = {falseSelfHits}},
+      {.name = "offset and exclusion",
+       .without = "neither",
+       .replacements = {start, leaving},
+       .matters = always,
+       .failures = {falseSelfHits}},
+      {.name = "precise",
+       .without = "left out",
+       .replacements = {precise},
+       .matters = always,
+       .failures = {leaksOfIcosphere, wrongHorizon, wrongRefraction}},
+      {.name = "Snell's law with twice the digits",
+       .without = "in float",
+       .replacements = replaceFunction("shade.glsl", "bool", "refracted", "bool transmission(", "plain_snell.glsl"),
+       .matters = [](const Features& features) { return features.refraction; },
+       .failures = {wrongRefraction}},
+      // How far two equal kernels come apart: what is nearer to 1 is noise.
+      {.name = "nothing: a control", .without = "the same kernel", .matters = always},
+  };
 }
 
 // ---- A kernel, with everything or without one thing ----
@@ -208,12 +221,14 @@ void printSummary(const std::vector<Priced>& all) {
   fmt::print(
       "\n| means | instead | trace time with/without: geometric mean | failures | with | without |\n"
       "| --- | --- | --- | --- | ---: | ---: |\n");
-  for (const Priced& priced : all)
+  for (const Priced& priced : all) {
+    std::string lead = fmt::format("| {} | {} | {} |", priced.name, priced.without, costsOf(priced));
+    if (priced.removed.empty()) fmt::print("{} | | |\n", lead);
     for (const Removed& removed : priced.removed) {
-      const bool first = &removed == &priced.removed.front();
-      fmt::print("| {} | {} | {} | {} | {:.3g} | {:.3g} |\n", first ? priced.name : "", first ? priced.without : "",
-                 first ? costsOf(priced) : "", removed.what, removed.with, removed.without);
+      fmt::print("{} {} | {:.3g} | {:.3g} |\n", lead, removed.what, removed.with, removed.without);
+      lead = "| | | |";
     }
+  }
 }
 
 std::string priceJson(const std::vector<Priced>& all, const PriceSettings& settings) {

@@ -101,26 +101,29 @@ double wrongDecisions(const Trial& trial, const Sphere& sphere, const MakeRay& m
   return double(wrong) / double(trial.rays);
 }
 
-// Rays that leave a surface outward, where nothing is: how many meet it again.
+// Rays that leave a surface outward, where nothing is, or into a unit sphere: how many meet it where they start.
 template <class MakeRay>
-size_t selfHits(const Trial& trial, const Scene& scene, size_t rays, const MakeRay& makeRay) {
+size_t selfHits(const Trial& trial, const Scene& scene, bool inward, const MakeRay& makeRay) {
   trial.kernels.setScene(scene);
   Random random(40);
   size_t hits = 0;
-  Bench::inBatches(rays, [&](size_t count) {
+  Bench::inBatches(trial.rays, [&](size_t count) {
     std::vector<Query> queries;
     for (size_t i = 0; i < count; ++i) queries.push_back({makeRay(trial.kernels.local(), random)});
     const std::vector<Found> seen = trial.kernels.trace(queries);
     std::vector<Query> ahead;
+    std::vector<double> limits;  // a hit nearer than this is false
     for (size_t i = 0; i < count; ++i) {
       if (!seen[i].hits()) continue;
-      queries[i].next = hard::Next::direction;
-      queries[i].target = vec3(atCosine(dvec3(seen[i].Ng), std::pow(10, uniform(random, -3, 0)), random));
-      ahead.push_back(queries[i]);
+      const double cosine = std::pow(10, uniform(random, -3, 0));
+      const dvec3 away = inward ? -seen[i].Ng : seen[i].Ng;
+      ahead.push_back({queries[i].ray, 0, hard::Next::direction, vec3(atCosine(away, cosine, random))});
+      limits.push_back(inward ? cosine : INFINITY);  // half the way through the unit sphere
     }
     std::vector<Query> leaving;
     for (const Found& found : trial.kernels.trace(ahead)) leaving.push_back({found.leaving});
-    for (const Found& found : trial.kernels.trace(leaving)) hits += found.hits();
+    const std::vector<Found> again = trial.kernels.trace(leaving);
+    for (size_t i = 0; i < again.size(); ++i) hits += again[i].hits() && again[i].t < limits[i];
   });
   return hits;
 }
@@ -153,6 +156,11 @@ TestRay rayAtSphere(const Scene& local, Random& random) {
   const Sphere& sphere = local.spheres[0];
   const dvec3 n = randomDirection(random), from = atCosine(n, uniform(random, 0.2, 1), random);
   return {vec3(sphere.center + sphere.radius * n + from), vec3(-from)};
+}
+
+// From the eye down.
+TestRay rayAtGround(const Scene&, Random& random) {
+  return {vec3(0), vec3(atCosine({0, -1, 0}, uniform(random, 0.05, 1), random))};
 }
 
 }  // namespace
@@ -237,17 +245,21 @@ std::vector<Failures> wrongSilhouette(const Trial& trial) {
 }
 
 std::vector<Failures> falseSelfHits(const Trial& trial) {
-  Scene ball = emptyScene();
-  ball.spheres = {{{0.3, -0.4, -5}, 1}};
-  const size_t hits[] = {selfHits(trial, tiltedFloor(), trial.rays, rayAtTriangle),
-                         selfHits(trial, hard::icosphere(4, 1, {0.3, -0.4, -5}), trial.rays, rayAtTriangle),
-                         selfHits(trial, ball, trial.rays, rayAtSphere)};
-  const auto of = [&](const char* where) {
-    return fmt::format("of {:.2g} rays that leave {} meet it again", double(trial.rays), where);
+  const dvec3 middle(0.3, -0.4, -5);
+  const auto withSphere = [](const Sphere& sphere) {
+    Scene scene = emptyScene();
+    scene.spheres = {sphere};
+    return scene;
   };
-  return {{of("a floor of 2048 triangles"), double(hits[0])},
-          {of("an icosphere of 5120 triangles"), double(hits[1])},
-          {of("a sphere"), double(hits[2])}};
+  const Scene ball = withSphere({middle, 1}), ground = withSphere({dvec3(0, -1e6 - 1.5, 0), 1e6});
+  const auto of = [&](const char* where, const Scene& scene, bool inward, const auto& makeRay) {
+    return Failures{fmt::format("of {:.2g} rays {} meet it where they start", double(trial.rays), where),
+                    double(selfHits(trial, scene, inward, makeRay))};
+  };
+  return {of("from a floor of 2048 triangles", tiltedFloor(), false, rayAtTriangle),
+          of("from an icosphere of 5120 triangles", hard::icosphere(4, 1, middle), false, rayAtTriangle),
+          of("from a sphere", ball, false, rayAtSphere), of("into a sphere", ball, true, rayAtSphere),
+          of("from a ball of radius 1e6", ground, false, rayAtGround)};
 }
 
 std::vector<Failures> wrongRefraction(const Trial& trial) {
