@@ -44,8 +44,9 @@ Scene halfPlane(int column, double past = 0) {
 
 EnvelopeRule judge(const Image& picture, const Scene& scene, const RenderSettings& how) {
   const Image reference = renderReference(scene, how).image;
-  const std::vector<Pixel> apart = pixelsApart(picture, reference);
-  return applyEnvelope(picture, reference, apart, renderEnvelope(scene, how, apart));
+  return applyEnvelope(picture, reference, [&](std::span<const Pixel> pixels, int rays) {
+    return renderEnvelope(scene, how, pixels, rays);
+  });
 }
 
 // A mirror ball on a floor under a light.
@@ -124,7 +125,7 @@ TEST(Envelope, DoesNotExcuseNanAndInfinityAtAnEdge) {
 TEST(Envelope, BoundsAreTheMeansOfTheSamplesOwn) {
   // Of 3 x 3 samples the middle column of three lies on the edge: white from 3 to 6 of 9.
   const std::vector<Pixel> apart = {{kMiddle, 0}, {kMiddle, 8}, {kMiddle - 1, 4}, {kMiddle + 1, 4}};
-  const std::vector<PixelBounds> bounds = renderEnvelope(halfPlane(kMiddle), settings(3), apart);
+  const std::vector<PixelBounds> bounds = renderEnvelope(halfPlane(kMiddle), settings(3), apart, kEnvelopeRays);
   ASSERT_EQ(bounds.size(), apart.size());
   for (int i = 0; i < 4; ++i) {
     const double least[] = {3, 3, 0, 9}, most[] = {6, 6, 0, 9};
@@ -139,7 +140,7 @@ TEST(Envelope, HasTheReferencesOwnValuesInsideAndIsNarrowOffEdges) {
   std::vector<Pixel> all;
   for (int y = 0; y < kSize; ++y)
     for (int x = 0; x < kSize; ++x) all.push_back({x, y});
-  const std::vector<PixelBounds> bounds = renderEnvelope(scene, settings(2), all);
+  const std::vector<PixelBounds> bounds = renderEnvelope(scene, settings(2), all, kEnvelopeRays);
   size_t wide = 0;
   for (size_t i = 0; i < all.size(); ++i)
     for (int c = 0; c < 3; ++c) {
@@ -167,8 +168,16 @@ TEST(Envelope, PercentilesAreOfWhatIsNotExcused) {
   const Image b = a;
   a.rgb[0] = 1;
   a.rgb[3] = 0.25f;
-  const std::vector<Pixel> apart = pixelsApart(a, b);
-  const EnvelopeRule rule = applyEnvelope(a, b, apart, std::vector<PixelBounds>{{dvec3(0), dvec3(1)}, {}});
+  std::vector<std::vector<Pixel>> asked;
+  const EnvelopeRule rule = applyEnvelope(a, b, [&](std::span<const Pixel> pixels, int) {
+    asked.emplace_back(pixels.begin(), pixels.end());
+    std::vector<PixelBounds> bounds(pixels.size());
+    if (pixels.size() == 2) bounds[0] = {dvec3(0), dvec3(1)};
+    return bounds;
+  });
+  ASSERT_EQ(asked.size(), 2u);
+  ASSERT_EQ(asked[1].size(), 1u) << "what is excused is not asked for again";
+  EXPECT_EQ(asked[1][0].x, 1);
   EXPECT_EQ(rule.needed, 0.2);
   EXPECT_EQ(rule.excused, 0.1);
   EXPECT_EQ(rule.outside, 1u);
@@ -178,7 +187,8 @@ TEST(Envelope, PercentilesAreOfWhatIsNotExcused) {
 TEST(Envelope, CanBeInterrupted) {
   const std::vector<Pixel> many(20000, Pixel{4, 4});
   const auto start = std::chrono::steady_clock::now();
-  EXPECT_THROW(renderEnvelope(ballOnFloor(), settings(64), many, [](double) { throw Interrupted(); }), Interrupted);
+  EXPECT_THROW(renderEnvelope(ballOnFloor(), settings(64), many, kEnvelopeRays, [](double) { throw Interrupted(); }),
+               Interrupted);
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(5)) << "all of it takes minutes";
 }
 

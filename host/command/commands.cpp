@@ -277,11 +277,12 @@ Decomposition decompose(const SamplingError& sampling, const Image& shader, cons
 
 EnvelopeRule measureEnvelope(const Image& shader, const Image& reference, const Scene& scene,
                              const RenderSettings& settings, const RenderOptions& options) {
-  const std::vector<Pixel> apart = pixelsApart(shader, reference);
-  const double samples = double(apart.size()) * settings.samples * settings.samples;
-  ProgressLine progress("envelope", samples, options.quiet);
-  return applyEnvelope(shader, reference, apart,
-                       renderEnvelope(geometryOf(scene, options), settings, apart, std::ref(progress)));
+  const Scene geometry = geometryOf(scene, options);
+  return applyEnvelope(shader, reference, [&](std::span<const Pixel> pixels, int rays) {
+    const double samples = double(pixels.size()) * settings.samples * settings.samples;
+    ProgressLine progress("envelope", samples, options.quiet);
+    return renderEnvelope(geometry, settings, pixels, rays, std::ref(progress));
+  });
 }
 
 Compared compareScene(const CompareOptions& compare, RenderOptions options) {

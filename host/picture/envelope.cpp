@@ -3,6 +3,7 @@
 
 #include <cassert>
 #include <cmath>
+#include <utility>
 
 #include "picture/compare.h"
 
@@ -48,16 +49,24 @@ std::vector<Pixel> pixelsApart(const Image& picture, const Image& reference, dou
   return apart;
 }
 
-EnvelopeRule applyEnvelope(const Image& picture, const Image& reference, std::span<const Pixel> apart,
-                           std::span<const PixelBounds> bounds, double tolerance) {
-  assert(apart.size() == bounds.size());
+EnvelopeRule applyEnvelope(const Image& picture, const Image& reference, const BoundsOf& boundsOf, double tolerance) {
+  const std::vector<Pixel> apart = pixelsApart(picture, reference, tolerance);
   std::vector<bool> excused(picture.window.area());
-  EnvelopeRule rule;
-  for (size_t i = 0; i < apart.size(); ++i) {
-    const size_t offset = offsetOf(picture, apart[i]);
-    excused[offset / 3] = isWithin(&picture.rgb[offset], bounds[i], tolerance);
-    rule.outside += !excused[offset / 3];
+  std::vector<Pixel> left = apart;
+  for (const int rays : {kEnvelopeRays, kDenseEnvelopeRays}) {
+    if (left.empty()) break;
+    const std::vector<PixelBounds> bounds = boundsOf(left, rays);
+    assert(left.size() == bounds.size());
+    std::vector<Pixel> outside;
+    for (size_t i = 0; i < left.size(); ++i) {
+      const size_t offset = offsetOf(picture, left[i]);
+      excused[offset / 3] = isWithin(&picture.rgb[offset], bounds[i], tolerance);
+      if (!excused[offset / 3]) outside.push_back(left[i]);
+    }
+    left = std::move(outside);
   }
+  EnvelopeRule rule;
+  rule.outside = left.size();
   const double pixels = double(picture.window.area());
   rule.needed = double(apart.size()) / pixels;
   rule.excused = double(apart.size() - rule.outside) / pixels;

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <glm/vec3.hpp>
 #include <span>
 #include <vector>
@@ -34,8 +35,15 @@ struct EnvelopeRule {
 // The pixels that need the rule, row by row. The pictures' windows are equal.
 std::vector<Pixel> pixelsApart(const Image& picture, const Image& reference, double tolerance = kEnvelopeTolerance);
 
-// `bounds` are those of the pixels `apart`, which are pixelsApart of the same pictures and tolerance.
-EnvelopeRule applyEnvelope(const Image& picture, const Image& reference, std::span<const Pixel> apart,
-                           std::span<const PixelBounds> bounds, double tolerance = kEnvelopeTolerance);
+// The bounds of some pixels, by so many rays for each sample.
+using BoundsOf = std::function<std::vector<PixelBounds>(std::span<const Pixel>, int rays)>;
+
+// Rays for a sample that finds its bounds at an edge, and for one whose pixel those do not excuse: behind several
+// curved mirrors few rays miss the extremes.
+inline constexpr int kEnvelopeRays = 33, kDenseEnvelopeRays = 1025;
+
+// Asks for the bounds of the pixels that need the rule; of those that they do not excuse, again with more rays.
+EnvelopeRule applyEnvelope(const Image& picture, const Image& reference, const BoundsOf& boundsOf,
+                           double tolerance = kEnvelopeTolerance);
 
 }  // namespace turner

@@ -368,11 +368,17 @@ bool refract(const dvec3& V, const dvec3& N, double ratio, dvec3& T) {
 }
 
 // What an eye ray's direction may err by: the corners of a box of 4 ulp, and of smaller ones inside it, because at the
-// rim of a curved mirror the extreme lies between the corners.
-constexpr int kEnvelopeRays = 8 * 4;
+// rim of a curved mirror the extreme lies between the corners; then places all over the box (the additive recurrence
+// of Roberts, "The unreasonable effectiveness of quasirandom sequences", 2018, in three dimensions).
+constexpr double kMostDirectionError = 4 * 0x1p-24;
 dvec3 directionError(int k) {
-  const double size = std::ldexp(4 * 0x1p-24, -(k >> 3));
-  return {k & 1 ? size : -size, k & 2 ? size : -size, k & 4 ? size : -size};
+  if (k < 8 * 4) {
+    const double size = std::ldexp(kMostDirectionError, -(k >> 3));
+    return {k & 1 ? size : -size, k & 2 ? size : -size, k & 4 ? size : -size};
+  }
+  constexpr double kRoot = 1.2207440846057596;  // of x^4 = x + 1
+  const dvec3 step(1 / kRoot, 1 / (kRoot * kRoot), 1 / (kRoot * kRoot * kRoot));
+  return kMostDirectionError * (2.0 * glm::fract(double(k) * step) - 1.0);
 }
 
 // Traces the ray trees of one thread and counts their rays.
@@ -401,14 +407,14 @@ class Tracer {
   }
 
   // The means of the samples' least and largest values.
-  PixelBounds pixelBounds(int x, int y) {
+  PixelBounds pixelBounds(int x, int y, int rays) {
     const int n = settings.samples;
     PixelBounds sum;
     for (int j = 0; j < n; ++j)
       for (int i = 0; i < n; ++i) {
         const dvec3 d = plane.directionThrough(samplePosition(x, y, i, j, settings));
         dvec3 least = seenAlong(d), most = least;
-        for (int k = 0; k < kEnvelopeRays; ++k) {
+        for (int k = 0; k + 1 < rays; ++k) {
           const dvec3 color = seenAlong(glm::normalize(d + directionError(k)));
           least = glm::min(least, color);
           most = glm::max(most, color);
@@ -600,7 +606,7 @@ ReferencePicture renderReference(const Scene& scene, const RenderSettings& setti
 }
 
 std::vector<PixelBounds> renderEnvelope(const Scene& scene, const RenderSettings& settings,
-                                        std::span<const Pixel> pixels, const Progress& progress) {
+                                        std::span<const Pixel> pixels, int rays, const Progress& progress) {
   const World world(scene, ReferenceSearch::tree);
   std::vector<PixelBounds> bounds(pixels.size());
   std::stop_source stop;
@@ -608,7 +614,7 @@ std::vector<PixelBounds> renderEnvelope(const Scene& scene, const RenderSettings
   std::future<void> work = std::async(std::launch::async, [&] {
     onAllCores(pixels.size(), [&](size_t i) {
       if (stop.stop_requested()) return;
-      bounds[i] = Tracer(world, settings, stop.get_token()).pixelBounds(pixels[i].x, pixels[i].y);
+      bounds[i] = Tracer(world, settings, stop.get_token()).pixelBounds(pixels[i].x, pixels[i].y, rays);
       ++done;
     });
   });

@@ -26,8 +26,9 @@ ReferencePicture renderReference(const Scene& scene, const RenderSettings& setti
                                  ReferenceSearch search = ReferenceSearch::tree);
 
 // For each of the pixels, what its channels may become where every eye ray errs by up to 4 ulp of a float near 1 in
-// each component of its direction: the means of its samples' minima and maxima. Runs on all cores.
+// each component of its direction: the means of its samples' minima and maxima, each by so many rays. Runs on all
+// cores.
 std::vector<PixelBounds> renderEnvelope(const Scene& scene, const RenderSettings& settings,
-                                        std::span<const Pixel> pixels, const Progress& progress = {});
+                                        std::span<const Pixel> pixels, int rays, const Progress& progress = {});
 
 }  // namespace turner

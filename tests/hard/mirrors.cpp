@@ -257,8 +257,9 @@ void ballsAgainstReference(const Bench& bench, Report& report) {
   const int size = bench.effort.full ? 512 : 192;
   const RenderSettings settings = test::settingsOf(scene, size, size);
   const Image image = test::renderShader(scene, settings), reference = renderReference(local, settings).image;
-  const std::vector<Pixel> apart = pixelsApart(image, reference);
-  const EnvelopeRule rule = applyEnvelope(image, reference, apart, renderEnvelope(local, settings, apart));
+  const EnvelopeRule rule = applyEnvelope(image, reference, [&](std::span<const Pixel> pixels, int rays) {
+    return renderEnvelope(local, settings, pixels, rays);
+  });
   const Comparison comparison = compareImages(image, reference, kEnvelopeTolerance);
   report.atMost("mirror balls: mean difference to the reference", comparison.mae, 1e-4);
   report.atMost("mirror balls: pixels that differ by more than 1e-5", rule.needed, 0.02);
