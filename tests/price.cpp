@@ -200,14 +200,18 @@ std::string shown(const Spread& ratio) {
   return fmt::format("{:.2f} ({:.2f}..{:.2f})", ratio.median, ratio.least, ratio.most);
 }
 
+// The geometric mean of the scenes' ratios, and where they lie.
 std::string costsOf(const Priced& priced) {
   if (priced.costs.empty()) return "no scene here has it";
   double logarithms = 0;
-  for (const Cost& cost : priced.costs) logarithms += std::log(cost.ratio.median);
-  const auto most = std::max_element(priced.costs.begin(), priced.costs.end(),
-                                     [](const Cost& a, const Cost& b) { return a.ratio.median < b.ratio.median; });
-  return fmt::format("{:.2f}; most {:.2f} ({})", std::exp(logarithms / double(priced.costs.size())), most->ratio.median,
-                     most->scene);
+  std::vector<double> ratios;
+  for (const Cost& cost : priced.costs) {
+    ratios.push_back(cost.ratio.median);
+    logarithms += std::log(cost.ratio.median);
+  }
+  const Spread spread = spreadOf(ratios);
+  return fmt::format("{:.2f} ({:.2f}..{:.2f})", std::exp(logarithms / double(ratios.size())), spread.least,
+                     spread.most);
 }
 
 void printCost(const Cost& cost, const std::string& name) {
@@ -219,7 +223,7 @@ void printCost(const Cost& cost, const std::string& name) {
 
 void printSummary(const std::vector<Priced>& all) {
   fmt::print(
-      "\n| means | instead | trace time with/without: geometric mean | failures | with | without |\n"
+      "\n| means | instead | trace time with/without, geometric mean (scenes) | failures | with | without |\n"
       "| --- | --- | --- | --- | ---: | ---: |\n");
   for (const Priced& priced : all) {
     std::string lead = fmt::format("| {} | {} | {} |", priced.name, priced.without, costsOf(priced));
