@@ -63,6 +63,25 @@ TEST(RoundScene, GivesValuesThatAreFloats) {
       for (int k = 0; k < 3; ++k) EXPECT_TRUE(isFloat(vertex[k]));
 }
 
+TEST(RoundScene, KeepsTheEyesHeightOverAGiantSphere) {
+  const double height = 0x1p-13, radius = 1e6;  // the sum is a double
+  for (const double sign : {1.0, -1.0}) {
+    Scene scene;
+    scene.camera = {.eye = {7, height, -3}, .target = {7, height, -11}};
+    scene.materials = {closed_form::matte({1, 1, 1})};
+    scene.spheres = {{{7, -radius, -3}, sign * radius}, {{7, -radius, -3}, 0.5 * radius}};
+    const Scene local = roundScene(scene);
+    const long double scale = localFrame(scene.camera).scale;
+    const long double power = height * (2 * radius + height) * scale * scale;
+    EXPECT_NEAR(double(eyePower(local.spheres[0]) / power), 1, 1e-8) << "float32 would round the height to 0";
+    EXPECT_EQ(std::signbit(local.spheres[0].radius), sign < 0);
+    EXPECT_TRUE(isNearEye(local.spheres[0]));
+    EXPECT_FALSE(isNearEye(local.spheres[1]));
+    const PackedScene packed = test::packed(scene, test::settingsOf(scene, 8, 8));
+    EXPECT_TRUE(packed.features.nearSpheres);
+  }
+}
+
 TEST(RoundScene, KeepsInverseSquareLight) {
   Scene scene = mixedScene();
   scene.lights.push_back({.position = {100, 200, 280}, .color = {3, 3, 3}, .falloff = Falloff::inverseSquare});

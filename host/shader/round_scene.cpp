@@ -87,7 +87,7 @@ Scene roundScene(Scene scene) {
          {&material.shininess, &material.reflect, &material.transmit, &material.ior, &material.localWeight})
       *value = rounded(*value);
   }
-  for (Sphere& sphere : local.spheres) sphere = rounded(sphere, frame);
+  forAll(local.spheres.size(), [&](size_t i) { local.spheres[i] = rounded(local.spheres[i], frame); });
   forAll(local.triangles.size(), [&](size_t i) {
     for (glm::dvec3& vertex : local.triangles[i].vertices) vertex = toLocal(vertex);
   });
