@@ -48,8 +48,8 @@ Surface surfaceAt(const Ray ray, const RayFactors factors, const float t, const 
     bool leavesIt = (ray.leaving & ~kLeavesInward) == primitive;
     surface.outside = !leavesIt && isOutside(sphere, ray.origin);
     vec3 point = ray.origin + t * ray.direction;
-    vec3 outward =
-        FAR_SPHERES ? distantOutward(ray, factors, sphere, surface.outside) : normalize(point - sphere.center);
+    bool isFar = FAR_SPHERES && !sphere.nearEye;
+    vec3 outward = isFar ? distantOutward(ray, factors, sphere, surface.outside) : normalize(point - sphere.center);
     // Put the point back on the sphere: the error of o + t d grows with t.
     surface.point = sphere.center + abs(sphere.radius) * outward;
     // The sphere itself is left exactly, by its root; this is for one that coincides with it.

@@ -35,13 +35,15 @@ Sphere rounded(const Sphere& world, const LocalFrame& frame) {
   if (!isNearEye(local)) return local;
   const auto power = eyePower(center, std::abs(world.radius) * frame.scale);
   const auto twoFloats = [](long double x) { return rounded(double(x)) + rounded(double(x - float(x))); };
-  local.center = {twoFloats(center.x), twoFloats(center.y), twoFloats(center.z)};
-  const long double squared = glm::dot(wide3(local.center), wide3(local.center)) - power;
+  Sphere exact = local;
+  exact.center = {twoFloats(center.x), twoFloats(center.y), twoFloats(center.z)};
+  const long double squared = glm::dot(wide3(exact.center), wide3(exact.center)) - power;
   if (!(squared > 0)) return local;
   const long double radius = std::copysign(std::sqrt(squared), (long double)(world.radius));
-  local.radius = double(radius);
-  local.radiusRest = double(radius - local.radius);
-  return local;
+  exact.radius = double(radius);
+  exact.radiusRest = double(radius - exact.radius);
+  // At the limit the answer may have changed, and the kernel is told by this scene alone.
+  return isNearEye(exact) ? exact : local;
 }
 
 }  // namespace
