@@ -32,8 +32,6 @@ float localWeight(const MaterialRows m) { return uintBitsToFloat(m.other.z); }
 // The largest of three components.
 float largest(const vec3 v) { return max(max(v.x, v.y), v.z); }
 
-bool isTriangle(const uint primitive) { return TRIANGLES && (!SPHERES || (primitive & kRefTriangle) != 0u); }
-
 // Turns the hit of a ray into the surface there.
 Surface surfaceAt(const Ray ray, const RayFactors factors, const float t, const uint primitive) {
   Surface surface;
@@ -42,7 +40,7 @@ Surface surfaceAt(const Ray ray, const RayFactors factors, const float t, const 
   surface.margin = 0.0;
   surface.outside = true;
   Row row0 = ROW(primitives, row), row1 = ROW(primitives, row + 1u);
-  if (SPHERES && !isTriangle(primitive)) {
+  if (SPHERES && !isOfTriangles(primitive)) {
     SphereRows sphere = sphereOf(row0, row1);
     // By where the ray starts, not by its angle: at the silhouette that is within its rounding.
     bool leavesIt = (ray.leaving & ~kLeavesInward) == primitive;
@@ -64,7 +62,7 @@ Surface surfaceAt(const Ray ray, const RayFactors factors, const float t, const 
     surface.Ns = surface.Ng;
     surface.material = row1.y & ~kNearEye;
   }
-  if (TRIANGLES && isTriangle(primitive)) {
+  if (TRIANGLES && isOfTriangles(primitive)) {
     uint isSecond = (primitive & kRefSecond) != 0u ? 1u : 0u;
     Row plane = ROW(primitives, row + kPairNormals + isSecond);
     surface.Ng = xyz(plane);
@@ -109,7 +107,7 @@ Surface surfaceAt(const Ray ray, const RayFactors factors, const float t, const 
 Ray leaveSurface(const Surface surface, const uint primitive, const vec3 direction, const bool above) {
   vec3 away = above ? surface.Ng : -surface.Ng;
   float cosine = max(dot(direction, away), 1e-6), step = surface.margin * min(1.0 / cosine, 16.0);
-  if (!isTriangle(primitive)) step = 0.0;
+  if (!isOfTriangles(primitive)) step = 0.0;
   vec3 origin = surface.point + step * direction + (surface.margin - step * cosine) * away;
   bool inward = above != surface.outside;
   return Ray(origin, direction, primitive | (inward ? kLeavesInward : 0u));

@@ -19,8 +19,8 @@ Walk walkFromRoot() { return Walk(root, 0u, kNoHit, kRefNone, 0u, uvec3(0u)); }
 // A ray through the middle of a cube walks the list of its cell.
 Walk walkAlongList(const uvec3 list, const float tMax) { return Walk(kRefNext, 0u, tMax, kRefNone, 0u, list); }
 
-// Whether a leaf holds pairs, not spheres.
-bool holdsPairs(const uint leaf) { return TRIANGLES && (!SPHERES || (leaf & kRefTriangle) != 0u); }
+// Whether a reference is to triangles, not to spheres: to a leaf of pairs, or to one triangle.
+bool isOfTriangles(const uint reference) { return TRIANGLES && (!SPHERES || (reference & kRefTriangle) != 0u); }
 
 uint unitsOf(const bool isPair) { return isPair ? kPairUnits : kSphereUnits; }
 
@@ -76,7 +76,7 @@ void visitNode(const Ray ray, const RayFactors factors, inout Walk walk) {
   // The references of both children, see Node in layout.h.
   uint below = walk.next + 1u, tags = origin.w >> 24u;
   uint firstCount = ((planes.w >> kRefCountShift) & kRefCountMask) + 1u;
-  uint secondPlace = (planes.w & kRefPlaceMask) + firstCount * unitsOf(holdsPairs(planes.w));
+  uint secondPlace = (planes.w & kRefPlaceMask) + firstCount * unitsOf(isOfTriangles(planes.w));
   uint secondLeaf = kRefLeaf | ((tags << 26u) & 0x70000000u) | secondPlace;
   uint child0 = (tags & 1u) != 0u ? planes.w : below;
   uint child1 = (tags & 1u) == 0u ? planes.w : (tags & 2u) == 0u ? below : secondLeaf;
@@ -182,7 +182,7 @@ void walkTree(const Ray ray, const RayFactors factors, const bool anyHit, const 
     if ((walk.next & kRefLeaf) != 0u && walk.next < kRefNext && budget > 0) {
       do {
         --budget;
-        bool both, arePairs = holdsPairs(walk.next);
+        bool both, arePairs = isOfTriangles(walk.next);
         bool taken = visitShape(ray, factors, walk.next & kRefPrimitive, arePairs, anyHit, kind, walk, both);
         passShape(arePairs, both, walk);
         if (anyHit && taken) walk.next = kRefNone;

@@ -19,7 +19,7 @@ namespace turner::test {
 namespace {
 
 using glm::dvec3, glm::vec3;
-using hard::basisOf, hard::randomDirection, hard::uniform;
+using hard::anywhereAcross, hard::basisOf, hard::randomDirection, hard::uniform;
 using hard::Bench, hard::Found, hard::Kernels, hard::Query, hard::Random, hard::TestRay;
 
 // An eye in the origin and a target at a distance of 1: the kernel's frame is the scene's.
@@ -28,13 +28,6 @@ Scene emptyScene() {
   scene.camera = {.eye = {0, 0, 0}, .target = {0, 0, -1}};
   scene.materials = {Material{.diffuse = {1, 1, 1}}};
   return scene;
-}
-
-dvec3 anywhereAcross(const dvec3& n, Random& random) {
-  dvec3 a, b;
-  basisOf(n, a, b);
-  const double phi = uniform(random, 0, 2 * std::numbers::pi);
-  return std::cos(phi) * a + std::sin(phi) * b;
 }
 
 // A direction at an angle to n whose cosine is this.

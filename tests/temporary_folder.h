@@ -1,4 +1,4 @@
-// Where a benchmark puts what is not to stay.
+// Where benchmarks and hard cases put what is not to stay.
 #pragma once
 
 #include <cstdlib>
@@ -13,14 +13,14 @@ namespace turner::test {
 // A folder of its own, gone with everything in it at the end.
 struct TemporaryFolder {
   TemporaryFolder() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "turner_bench_XXXXXX").string();
+    std::string pattern = (std::filesystem::temp_directory_path() / "turner_tests_XXXXXX").string();
     if (!mkdtemp(pattern.data())) throw RunError("cannot make a temporary folder: mkdtemp failed");
     path = pattern;
   }
   TemporaryFolder(const TemporaryFolder&) = delete;
   TemporaryFolder& operator=(const TemporaryFolder&) = delete;
   ~TemporaryFolder() {
-    std::error_code ignored;  // a folder left behind in /tmp is no failure of the benchmark
+    std::error_code ignored;  // a folder left behind in /tmp is no failure
     std::filesystem::remove_all(path, ignored);
   }
   std::filesystem::path path;

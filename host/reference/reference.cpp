@@ -132,7 +132,7 @@ double nearestRoot(Real b, Real c, Real D) {
   return t0 > 0 ? t0 : t1 > 0 ? t1 : kFarAway;
 }
 
-// Of the scene's spheres those of a rounded scene have a radius with more digits than a double's.
+// With all digits: the radius of a rounded scene's sphere may have more than a double holds.
 long double wideRadius(const Sphere& sphere) {
   return (long double)(sphere.radius) + sphere.radiusRest;
 }

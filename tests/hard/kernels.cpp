@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cstdlib>
 #include <cstring>
 #include <glm/common.hpp>
 #include <optional>
@@ -17,6 +16,7 @@
 #include "shader/gpu.h"
 #include "shader/pack.h"
 #include "shader/round_scene.h"
+#include "shader_harness.h"
 
 namespace turner::hard {
 namespace {
@@ -139,11 +139,6 @@ NaiveScene naiveScene(const Scene& local) {
   return scene;
 }
 
-DeviceInfo wantedDevice() {
-  const char* wanted = std::getenv("TURNER_DEVICE");
-  return chooseDevice(listDevices(), wanted ? wanted : "");
-}
-
 }  // namespace
 
 struct Kernels::Parts {
@@ -195,7 +190,7 @@ void Kernels::Parts::bind(const Kernel& kernel, const Rows& rows, const Buffer& 
   device.vulkan().updateDescriptorSets(writes, {});
 }
 
-Kernels::Kernels() : Kernels(wantedDevice(), TURNER_TESTS_DIR "/..") {}
+Kernels::Kernels() : Kernels(chooseDevice(listDevices(), test::wantedDevice()), TURNER_TESTS_DIR "/..") {}
 Kernels::Kernels(const DeviceInfo& device, const std::string& folder)
     : parts_(std::make_unique<Parts>(device, folder)) {
   parts_->naiveStep = makeKernel(parts_->device, parts_->fetch, parts_->kernels + "naive.comp", {});
@@ -215,9 +210,7 @@ void Kernels::setLeastDistance(float least) {
 }
 
 void Kernels::setScene(const Scene& world) {
-  setScene(world, [](std::span<const Box> boxes, size_t first, const BvhLimits& limits) {
-    return buildBvh(boxes, first, limits);
-  });
+  setScene(world, buildBvh);
 }
 
 void Kernels::setScene(const Scene& world, const BuildTree& build) {

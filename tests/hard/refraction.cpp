@@ -23,13 +23,6 @@ Scene sceneSeenFrom(const dvec3& eye, double ior) {
   return scene;
 }
 
-dvec3 anywhereAcross(const dvec3& n, Random& random) {
-  dvec3 a, b;
-  basisOf(n, a, b);
-  const double phi = uniform(random, 0, 2 * std::numbers::pi);
-  return std::cos(phi) * a + std::sin(phi) * b;
-}
-
 TestRay rayThrough(const dvec3& point, const dvec3& direction, double before) {
   return {.origin = vec3(point - before * direction), .direction = vec3(direction)};
 }

@@ -18,10 +18,12 @@
 #include "errors.h"
 #include "hard/cases.h"
 #include "hard/formulas.h"
+#include "hard/pictures.h"
 #include "hard/vectors.h"
 #include "reference/reference.h"
 #include "scene/scene_load.h"
 #include "scene/text_file.h"
+#include "temporary_folder.h"
 
 namespace turner::hard {
 namespace {
@@ -238,31 +240,19 @@ void singularShading(const Bench& bench, Report& report) {
 
 // --- 40 ---
 
-// A folder for scene files, gone at the end.
+// A folder for scene files.
 class Folder {
  public:
-  Folder() {
-    std::string name = (std::filesystem::temp_directory_path() / "turner_hard_XXXXXX").string();
-    if (!mkdtemp(name.data())) throw RunError("cannot make a folder in " + name);
-    path_ = name;
-  }
-  ~Folder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-
   std::string write(const std::string& name, const std::string& text) const {
-    const std::string path = (path_ / name).string();
+    const std::string path = (folder_.path / name).string();
     std::filesystem::remove(path);  // writing over a file makes some file systems wait for the disk
     std::ofstream(path, std::ios::binary) << text;
     return path;
   }
-  std::string path() const { return path_.string(); }
+  std::string path() const { return folder_.path.string(); }
 
  private:
-  std::filesystem::path path_;
+  test::TemporaryFolder folder_;
 };
 
 // What becomes of a scene file.
@@ -525,13 +515,6 @@ Fuzz fuzzed(const Folder& folder, size_t files, size_t pictures, Random& random)
     if (fuzz.pictures < pictures) renderSmall(*loaded.scene, fuzz);
   }
   return fuzz;
-}
-
-size_t differingValues(const Image& a, const Image& b) {
-  size_t differing = a.rgb.size() != b.rgb.size();
-  for (size_t i = 0; i < std::min(a.rgb.size(), b.rgb.size()); ++i)
-    differing += std::bit_cast<uint32_t>(a.rgb[i]) != std::bit_cast<uint32_t>(b.rgb[i]);
-  return differing;
 }
 
 // Values that are wrong in the picture of nothing, and in that of a matte sphere without light before the background.

@@ -4,13 +4,13 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <cstring>
 #include <glm/geometric.hpp>
 
 #include "closed_form.h"
 #include "hard/cases.h"
 #include "hard/chain.h"
 #include "hard/icosphere.h"
+#include "hard/pictures.h"
 #include "hard/vectors.h"
 
 namespace turner::hard {
@@ -220,12 +220,6 @@ void needles(const Bench& bench, Report& report) {
 }
 
 // --- 15 and 16: pictures ---
-
-size_t differingValues(const Image& a, const Image& b) {
-  size_t count = 0;
-  for (size_t i = 0; i < a.rgb.size(); ++i) count += std::memcmp(&a.rgb[i], &b.rgb[i], sizeof(float)) != 0;
-  return count;
-}
 
 void zeroArea(const Bench& bench, Report& report) {
   Random random = bench.random(15);

@@ -53,6 +53,15 @@ inline void basisOf(const dvec3& n, dvec3& a, dvec3& b) {
   b = glm::cross(n, a);
 }
 
+// Any unit vector at right angles to a unit vector.
+template <class Random>
+dvec3 anywhereAcross(const dvec3& n, Random& random) {
+  dvec3 a, b;
+  basisOf(n, a, b);
+  const double phi = uniform(random, 0, 2 * std::numbers::pi);
+  return std::cos(phi) * a + std::sin(phi) * b;
+}
+
 // The p-quantile of some values, which it sorts; nearest rank.
 template <class Values>
 double quantile(Values& values, double p) {

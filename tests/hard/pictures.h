@@ -1,0 +1,21 @@
+// Pictures that must be equal.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+
+#include "picture/image.h"
+
+namespace turner::hard {
+
+// How many values differ in a bit.
+inline size_t differingValues(const Image& a, const Image& b) {
+  size_t differing = a.rgb.size() != b.rgb.size();
+  for (size_t i = 0; i < std::min(a.rgb.size(), b.rgb.size()); ++i)
+    differing += std::bit_cast<uint32_t>(a.rgb[i]) != std::bit_cast<uint32_t>(b.rgb[i]);
+  return differing;
+}
+
+}  // namespace turner::hard
