@@ -3,6 +3,9 @@
 
 const float kNoHit = 1e38;  // farther than everything, and still finite when an interval is widened
 
+// Whether a reference is to triangles, not to spheres: to a leaf of pairs, or to one triangle.
+bool isOfTriangles(const uint reference) { return TRIANGLES && (!SPHERES || (reference & kRefTriangle) != 0u); }
+
 struct Ray {
   vec3 origin;
   vec3 direction;  // unit for eye and secondary rays; the way to the light for shadow rays

@@ -19,9 +19,6 @@ Walk walkFromRoot() { return Walk(root, 0u, kNoHit, kRefNone, 0u, uvec3(0u)); }
 // A ray through the middle of a cube walks the list of its cell.
 Walk walkAlongList(const uvec3 list, const float tMax) { return Walk(kRefNext, 0u, tMax, kRefNone, 0u, list); }
 
-// Whether a reference is to triangles, not to spheres: to a leaf of pairs, or to one triangle.
-bool isOfTriangles(const uint reference) { return TRIANGLES && (!SPHERES || (reference & kRefTriangle) != 0u); }
-
 uint unitsOf(const bool isPair) { return isPair ? kPairUnits : kSphereUnits; }
 
 bool isOver(const Walk walk) { return walk.next == kRefNone; }
