@@ -126,6 +126,19 @@ vec3 distantPerpendicular(const Ray ray, const RayFactors factors, const vec3 ce
   return perpendicular - dot(perpendicular, direction) * direction;
 }
 
+// How far from its surface a ray must start to be on one side of a sphere for certain, by the kernel's arithmetic. The
+// sphere itself is left exactly, by its root; this is for one that coincides with it.
+float sphereMargin(const SphereRows sphere, const vec3 point) {
+  if (NEAR_SPHERES && sphere.nearEye) return 4.0 * kRounding * largest(abs(point));
+  return 2.0 * kRounding * (largest(abs(sphere.center)) + abs(sphere.radius));
+}
+
+// The same of a plane and its coplanar neighbours: the point is rounded, both planes' N and d are, and so is every term
+// of the neighbour's N.x. The errors of the terms add up to seven roundings of the sum of their sizes at the worst.
+float planeMargin(const vec3 normal, const float offset, const vec3 point) {
+  return 2.0 * kRounding * (dot(abs(normal), abs(point)) + abs(offset));
+}
+
 // Distance to a sphere, or kNoHit.
 float hitSphere(const Ray ray, const RayFactors factors, const SphereRows sphere, const bool leavesIt) {
   vec3 f = ray.origin - sphere.center;

@@ -75,7 +75,8 @@ TURNER_CONST kSpecBudget = 15u;        // iterations of an invocation's loops in
 TURNER_CONST kSpecFresh = 16u;         // the first pass over a tile: there is no work to take up; a boolean
 TURNER_CONST kSpecNearSpheres = 17u;   // a sphere whose surface the eye is near; a boolean
 TURNER_CONST kSpecFarSpheres = 18u;    // a sphere that is many radii away from the eye; a boolean
-TURNER_CONST kSpecCount = 19u;
+TURNER_CONST kSpecSolids = 19u;        // solids of glass that overlap or touch; a boolean
+TURNER_CONST kSpecCount = 20u;
 
 // --- bindings -------------------------------------------------------------------------------------------------------
 TURNER_CONST kBindFrame = 0u;
@@ -103,6 +104,7 @@ struct Frame {
   Row downHi;        // w: least weight of a ray (float)
   Row downLo;        // w: threads of a CPU device, which get contiguous shares of a dispatch; 1 elsewhere
   Row background;    // w: kCanaryLength
+  Row solids;        // that the eye is in (solids.glsl)
   Row addresses[6];  // x, y: of the row arrays from kBindNodes on, where the kernel fetches by address
 };
 
@@ -128,10 +130,11 @@ struct Node {
                // behind the first leaf
 };
 
-// Shapes stand in the order of the leaves.
+// Shapes stand in the order of the leaves. Of primitives that a ray meets in one place, that of the lowest precedence is
+// hit: opaque ones come first, in the order of their ids, then glass.
 struct Sphere {
   Row center;  // w: radius (float); negative: the surface faces inward
-  // x: id, y: material (integers in a row's float places, by their bits). Where the eye is near the surface (kNearEye
+  // x: precedence, y: material (integers in a row's float places, by their bits). Where the eye is near the surface (kNearEye
   // in y) z: row of its NearSphere among the materials, w (float): the eye's power |center|^2 - radius^2.
   Row tags;
 };
@@ -145,10 +148,10 @@ struct NearSphere {
 // Two triangles that share an edge: v0 v1 v2 and v3 v2 v1, seen counter-clockwise from their fronts. One that is alone
 // has v1 once more as v3, so that the other is a line and never hit.
 struct TrianglePair {
-  Row v0;          // w: id of the first
+  Row v0;          // w: precedence of the first
   Row v1;          // w: material of both
   Row v2;          // w: index of the vertex normals of the first, those of the second are next; or kRefNone
-  Row v3;          // w: id of the second, or kRefNone
+  Row v3;          // w: that of the second, or kRefNone
   Row normals[2];  // of their planes, N.x = w (a float): unit, counter-clockwise side, computed in double by the host
 };
 
@@ -159,8 +162,13 @@ struct VertexNormals {
 struct Material {
   Row diffuse;   // k_d; w: r (float)
   Row specular;  // k_s; w: t (float)
-  Row other;     // shininess n, eta, w_local (floats); w: unused
+  // shininess n, eta, w_local (floats); w: 0, or of a solid that overlaps or touches another: a number that it shares with
+  // others of the same glass. Every such solid has a material of its own, which stands behind those of all others over
+  // which it has priority; its place is the solid's number (solids.glsl).
+  Row other;
 };
+TURNER_CONST kMaxSolids = 8u;         // that a ray can be in at once
+TURNER_CONST kMaxMaterials = 65536u;  // where solids are numbered
 
 struct Light {
   Row position;  // w: 1 if its fall-off is inverse-square
@@ -193,7 +201,7 @@ struct Status {
   uint unfinished;      // invocations that have work left
   uint limiter;         // invocations whose canary loop was cut: a driver's loop limiter fired
   uint samplesWaiting;  // samples that they have not yet finished
-  uint unused;
+  uint solidsLost;      // invocations with a ray that was in more than kMaxSolids solids, or passed too many hidden walls
 };
 
 // --- rows of an invocation's state ----------------------------------------------------------------------------------
@@ -209,15 +217,20 @@ TURNER_CONST kStateRays = 7u;  // counted: eye, reflected, refracted, shadow
 TURNER_CONST kStateNodes = 8u;       // nodes visited by each kind of ray
 TURNER_CONST kStatePrimitives = 9u;  // primitives tested by each kind of ray
 TURNER_CONST kStateNodeStack = 10u;  // kMaxTreeDepth references, four in a row
-TURNER_CONST kStateRayStack = 22u;   // two rows for each level from 2 on: origin, leaving; direction, weight
+TURNER_CONST kStateSolids = 22u;     // that the ray in hand is in
+TURNER_CONST kStatePlace = 23u;  // x: what else the walk has met in the place of its best hit, y: in that of the ray's hit,
+                                 // z: hidden walls that the ray has passed, w: how far that place reaches (float)
+// Rows for each level from 2 on: origin, leaving; direction, weight; where there are solids: those that the ray is in.
+TURNER_CONST kStateRayStack = 24u;
+TURNER_CONST kMaxHiddenWalls = 65536u;  // that a ray may pass before its next hit
 
 #ifdef __cplusplus
-inline constexpr uint stateRows(uint depth) {
-  return kStateRayStack + 2 * (depth - 1);
+inline constexpr uint stateRows(uint depth, bool solids) {
+  return kStateRayStack + (solids ? 3 : 2) * (depth - 1);
 }
-static_assert(kStateRayStack == kStateNodeStack + kMaxTreeDepth / 4);
+static_assert(kStateSolids == kStateNodeStack + kMaxTreeDepth / 4);
 static_assert(sizeof(Row) == 16);
-static_assert(sizeof(Frame) == 208);
+static_assert(sizeof(Frame) == 224);
 static_assert(sizeof(Tile) == 32);
 static_assert(sizeof(Node) == 32);
 static_assert(sizeof(Sphere) == kSphereUnits * kUnitRows * sizeof(Row));

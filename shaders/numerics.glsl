@@ -6,6 +6,11 @@
 float lesser(const float a, const float b) { return a < b ? a : b; }
 float greater(const float a, const float b) { return a > b ? a : b; }
 
+// The largest of three components.
+float largest(const vec3 v) { return max(max(v.x, v.y), v.z); }
+
+const float kRounding = 5.9604645e-8;  // 2^-24, the largest relative error of one operation
+
 // a + b = sum + rest, exactly (Knuth, The Art of Computer Programming 2, 4.2.2).
 float twoSum(const float a, const float b, out float rest) {
   precise float sum = a + b;

@@ -1,8 +1,6 @@
 // What happens where a ray meets a surface: docs/light_transport.md, sentence by sentence. V points back along the ray,
 // L to a light, N is the shading normal Ns, H the half vector (Blinn 1977).
 
-const float kRounding = 5.9604645e-8;  // 2^-24, the largest relative error of one operation
-
 struct Surface {
   vec3 point;
   vec3 Ng, Ns;   // unit, both on the side that the ray came from
@@ -29,9 +27,6 @@ float shininess(const MaterialRows m) { return uintBitsToFloat(m.other.x); }    
 float indexOfRefraction(const MaterialRows m) { return uintBitsToFloat(m.other.y); }  // eta
 float localWeight(const MaterialRows m) { return uintBitsToFloat(m.other.z); }
 
-// The largest of three components.
-float largest(const vec3 v) { return max(max(v.x, v.y), v.z); }
-
 // Turns the hit of a ray into the surface there.
 Surface surfaceAt(const Ray ray, const RayFactors factors, const float t, const uint primitive) {
   Surface surface;
@@ -50,13 +45,11 @@ Surface surfaceAt(const Ray ray, const RayFactors factors, const float t, const 
     vec3 outward = isFar ? distantOutward(ray, factors, sphere, surface.outside) : normalize(point - sphere.center);
     // Put the point back on the sphere: the error of o + t d grows with t.
     surface.point = sphere.center + abs(sphere.radius) * outward;
-    // The sphere itself is left exactly, by its root; this is for one that coincides with it.
-    surface.margin = 2.0 * kRounding * (largest(abs(sphere.center)) + abs(sphere.radius));
     if (NEAR_SPHERES && sphere.nearEye) {
       // The center is far away and rounded. Newton's step to where the power is 0 keeps the digits of the point.
       surface.point = point - (0.5 * powerOf(sphere, point).x / abs(sphere.radius)) * outward;
-      surface.margin = 4.0 * kRounding * largest(abs(surface.point));
     }
+    surface.margin = sphereMargin(sphere, surface.point);
     surface.front = surface.outside != (sphere.radius < 0.0);
     surface.Ng = surface.outside ? outward : -outward;
     surface.Ns = surface.Ng;
@@ -71,10 +64,7 @@ Surface surfaceAt(const Ray ray, const RayFactors factors, const float t, const 
     vec3 point = ray.origin + t * ray.direction;
     float offset = uintBitsToFloat(plane.w);
     surface.point = point - surface.Ng * wideSum(wideDot(surface.Ng, vec3(0), point, vec3(0)), vec2(-offset, 0)).x;
-    // How far that may be from the plane of a coplanar neighbour, by the kernel's arithmetic: the point is rounded, both
-    // planes' N and d are, and so is every term of the neighbour's N.x. The errors of the terms add up to seven roundings
-    // of the sum of their sizes at the worst.
-    surface.margin = 2.0 * kRounding * (dot(abs(surface.Ng), abs(surface.point)) + abs(offset));
+    surface.margin = planeMargin(surface.Ng, offset, surface.point);
     surface.Ns = surface.Ng;
     Row row2 = ROW(primitives, row + kPairV2), row3 = ROW(primitives, row + kPairV3);
     if (SMOOTH_NORMALS && row2.w != kRefNone) {
@@ -161,6 +151,9 @@ vec3 reflection(const Surface surface, const vec3 direction) {
   return dot(R, surface.Ng) > 0.0 ? R : mirrored(direction, surface.Ng);
 }
 
+// The index of refraction behind a surface over that before it, where nothing else is made of glass there.
+vec2 indexBehind(const Surface surface, const float ior) { return surface.front ? vec2(ior, 0) : wideReciprocal(ior); }
+
 // Snell's law in vector form; false on total internal reflection. n: index of refraction on the other side over that on
 // the side of V. Near the critical angle the cosine is a small difference, of digits that N and the direction have: so
 // the decision and cosT are computed with twice the digits, from vectors that are unit but for their rounding.
@@ -177,8 +170,7 @@ bool refracted(const vec3 direction, const vec3 N, const vec2 n, out vec3 T) {
 }
 
 // T: about Ns, or about Ng where that would not lead through the surface; false on total internal reflection.
-bool transmission(const Surface surface, const vec3 direction, const float ior, out vec3 T) {
-  vec2 n = surface.front ? vec2(ior, 0) : wideReciprocal(ior);
+bool transmission(const Surface surface, const vec3 direction, const vec2 n, out vec3 T) {
   bool passes = refracted(direction, surface.Ns, n, T);
   if (passes && dot(T, surface.Ng) >= 0.0) passes = refracted(direction, surface.Ng, n, T);
   return passes;

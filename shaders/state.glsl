@@ -13,6 +13,9 @@ uint level;         // of it in the ray tree; the eye ray has 1
 uvec2 pending;      // bit l - 1: a ray waits on level l
 float hitT;         // where it hits
 uint hitPrimitive;  // and what
+uint hitOther;      // another wall of glass in the same place, or kRefNone
+uvec4 solids;       // that the ray is in (solids.glsl)
+uint hiddenWalls;   // that it has passed since its last hit
 uint light;         // the light that the hit's shadow ray goes to
 Walk walk;          // of the ray in hand, or of a shadow ray of its hit
 
@@ -32,9 +35,11 @@ void beginWork() {
   level = 0u;
   pending = uvec2(0u);
   hitT = 0.0;
-  hitPrimitive = kRefNone;
+  hitPrimitive = hitOther = kRefNone;
+  solids = uvec4(0u);
+  hiddenWalls = 0u;
   light = 0u;
-  walk = Walk(kRefNone, 0u, 0.0, kRefNone, 0u, uvec3(0u));
+  walk = Walk(kRefNone, 0u, 0.0, kRefNone, 0u, kRefNone, 0.0, uvec3(0u));
   raysSpawned = nodesVisited = primitivesVisited = Row(0u);
 }
 
@@ -60,10 +65,16 @@ void takeUpWork(const uint slot) {
   walk.next = row.x;
   walk.tMax = uintBitsToFloat(row.y);
   walk.hit = row.z;
-  walk.hitId = row.w;
+  walk.order = row.w;
   row = state[stateRow(kStateList, slot)];
   walk.list.xy = row.xy;
   pending = row.zw;
+  solids = SOLIDS ? state[stateRow(kStateSolids, slot)] : uvec4(0u);
+  row = SOLIDS ? state[stateRow(kStatePlace, slot)] : Row(kRefNone, kRefNone, 0u, 0u);
+  walk.other = row.x;
+  hitOther = row.y;
+  hiddenWalls = row.z;
+  walk.apart = uintBitsToFloat(row.w);
   raysSpawned = COUNTERS ? state[stateRow(kStateRays, slot)] : Row(0u);
   nodesVisited = COUNTERS ? state[stateRow(kStateNodes, slot)] : Row(0u);
   primitivesVisited = COUNTERS ? state[stateRow(kStatePrimitives, slot)] : Row(0u);
@@ -75,8 +86,12 @@ void putWorkAway(const uint slot) {
   state[stateRow(kStateRay, slot)] = packRow(ray.origin, ray.leaving);
   state[stateRow(kStateDirection, slot)] = packRow(ray.direction, floatBitsToUint(weight));
   state[stateRow(kStateHit, slot)] = Row(floatBitsToUint(hitT), hitPrimitive, light, walk.list.z);
-  state[stateRow(kStateWalk, slot)] = Row(walk.next, floatBitsToUint(walk.tMax), walk.hit, walk.hitId);
+  state[stateRow(kStateWalk, slot)] = Row(walk.next, floatBitsToUint(walk.tMax), walk.hit, walk.order);
   state[stateRow(kStateList, slot)] = Row(walk.list.xy, pending);
+  if (SOLIDS) {
+    state[stateRow(kStateSolids, slot)] = solids;
+    state[stateRow(kStatePlace, slot)] = Row(walk.other, hitOther, hiddenWalls, floatBitsToUint(walk.apart));
+  }
 }
 
 void putCountsAway(const uint slot) {
@@ -96,11 +111,14 @@ uvec2 levelBit(const uint level) {
   return bit < 32u ? uvec2(1u << bit, 0u) : uvec2(0u, 1u << (bit - 32u));
 }
 
+const uint kRayRows = SOLIDS ? 3u : 2u;
+
 // A ray of the next level waits.
-void pushRay(const uint slot, const Ray waiting, const float itsWeight) {
-  uint row = kStateRayStack + 2u * (level - 1u);
+void pushRay(const uint slot, const Ray waiting, const float itsWeight, const uvec4 itsSolids) {
+  uint row = kStateRayStack + kRayRows * (level - 1u);
   state[stateRow(row, slot)] = packRow(waiting.origin, waiting.leaving);
   state[stateRow(row + 1u, slot)] = packRow(waiting.direction, floatBitsToUint(itsWeight));
+  if (SOLIDS) state[stateRow(row + 2u, slot)] = itsSolids;
   pending |= levelBit(level + 1u);
 }
 
@@ -108,10 +126,11 @@ void pushRay(const uint slot, const Ray waiting, const float itsWeight) {
 void popRay(const uint slot) {
   level = deepestPending();
   pending &= ~levelBit(level);
-  uint row = kStateRayStack + 2u * (level - 2u);
+  uint row = kStateRayStack + kRayRows * (level - 2u);
   Row origin = state[stateRow(row, slot)], direction = state[stateRow(row + 1u, slot)];
   ray = Ray(xyz(origin), xyz(direction), origin.w);
   weight = uintBitsToFloat(direction.w);
+  if (SOLIDS) solids = state[stateRow(row + 2u, slot)];
   rayKind = kRefracted;  // a reflected ray is never the one that waits
 }
 

@@ -6,7 +6,9 @@ struct Walk {
   uint top;    // entries on the node stack
   float tMax;  // distance of the best hit so far; before the first, how far the ray reaches
   uint hit;    // the best primitive so far (kind and place), or kRefNone
-  uint hitId;  // its id
+  uint order;  // its precedence
+  uint other;  // another wall of glass in its place, or kRefNone
+  float apart; // how far from its t that place reaches
   uvec3 list;  // the rest of its list: next entry, end, and where pairs begin if spheres come first
 };
 
@@ -14,10 +16,12 @@ struct Walk {
 uint nodeStack[kMaxTreeDepth];
 
 // A ray from anywhere walks the whole tree.
-Walk walkFromRoot() { return Walk(root, 0u, kNoHit, kRefNone, 0u, uvec3(0u)); }
+Walk walkFromRoot() { return Walk(root, 0u, kNoHit, kRefNone, 0u, kRefNone, 0.0, uvec3(0u)); }
 
 // A ray through the middle of a cube walks the list of its cell.
-Walk walkAlongList(const uvec3 list, const float tMax) { return Walk(kRefNext, 0u, tMax, kRefNone, 0u, list); }
+Walk walkAlongList(const uvec3 list, const float tMax) {
+  return Walk(kRefNext, 0u, tMax, kRefNone, 0u, kRefNone, 0.0, list);
+}
 
 uint unitsOf(const bool isPair) { return isPair ? kPairUnits : kSphereUnits; }
 
@@ -92,16 +96,26 @@ void visitNode(const Ray ray, const RayFactors factors, inout Walk walk) {
 struct Meeting {
   float t;         // kNoHit: nothing
   uint primitive;  // the sphere, or that triangle of the pair
-  uint id;
+  uint order;      // its precedence
   bool both;       // it passes both triangles, and this is the first: the second is still to be met
   uint tested;     // spheres or triangles that this took, for the counters
+  float apart;     // how far from t another wall of glass may be hit that is in one place with it
 };
+
+// Two walls are in one place where a ray that leaves the one by its margin may start behind the other.
+float apartAlong(const float margin, const float cosine) { return 2.0 * margin / max(abs(cosine), 1.0 / 1024.0); }
 
 Meeting meetSphere(const Ray ray, const RayFactors factors, const uint primitive) {
   uint row = kUnitRows * primitive;
   Row center = ROW(primitives, row + kSphereCenter), tags = ROW(primitives, row + kSphereTags);
   bool leavesIt = (ray.leaving & ~kLeavesInward) == primitive;
-  return Meeting(hitSphere(ray, factors, sphereOf(center, tags), leavesIt), primitive, tags.x, false, 1u);
+  SphereRows sphere = sphereOf(center, tags);
+  Meeting met = Meeting(hitSphere(ray, factors, sphere, leavesIt), primitive, tags.x, false, 1u, 0.0);
+  if (SOLIDS && met.t < kNoHit) {
+    vec3 point = ray.origin + met.t * ray.direction;
+    met.apart = apartAlong(sphereMargin(sphere, point), dot(normalize(point - sphere.center), ray.direction));
+  }
+  return met;
 }
 
 // `pair` has kRefSecond where the first triangle has been met already.
@@ -126,22 +140,35 @@ Meeting meetPair(const Ray ray, const RayFactors factors, const uint pair) {
   float t = planeDistance(ray, xyz(plane), uintBitsToFloat(plane.w), nearest, tNear, tFar);
   if (!(inFirst || inSecond) || !(t > 0.0)) t = kNoHit;
   uint tested = pair != first ? 0u : v3.w != kRefNone ? 2u : 1u;
-  return Meeting(t, isSecond ? second : first, isSecond ? v3.w : v0.w, inFirst && inSecond, tested);
+  float apart = 0.0;
+  if (SOLIDS && t < kNoHit) {
+    float margin = planeMargin(xyz(plane), uintBitsToFloat(plane.w), ray.origin + t * ray.direction);
+    apart = apartAlong(margin, dot(xyz(plane), ray.direction));
+  }
+  return Meeting(t, isSecond ? second : first, isSecond ? v3.w : v0.w, inFirst && inSecond, tested, apart);
 }
 
-// Tests a shape; true if it takes the walk's hit. Among equal distances the lowest id wins, so that the picture does not
-// depend on the tree.
+// Tests a shape; true if it takes the walk's hit. Among equal distances the lowest precedence wins, so that the picture
+// does not depend on the tree.
 bool visitShape(const Ray ray, const RayFactors factors, const uint shape, const bool isPair, const bool anyHit,
                 const uint kind, inout Walk walk, out bool both) {
-  Meeting met = Meeting(kNoHit, kRefNone, 0u, false, 0u);
+  Meeting met = Meeting(kNoHit, kRefNone, 0u, false, 0u, 0.0);
   if (SPHERES && !isPair) met = meetSphere(ray, factors, shape);
   if (TRIANGLES && isPair) met = meetPair(ray, factors, shape);
   bool taken = met.t < walk.tMax;
-  if (!anyHit) taken = taken || (met.t == walk.tMax && walk.hit != kRefNone && met.id < walk.hitId);
+  if (!anyHit) {
+    bool onePlace = met.t == walk.tMax && walk.hit != kRefNone;
+    if (SOLIDS && met.t < kNoHit && walk.hit != kRefNone)
+      onePlace = abs(met.t - walk.tMax) <= max(met.apart, walk.apart);
+    if (onePlace) taken = met.order < walk.order;
+    if (SOLIDS && taken) walk.other = onePlace ? walk.hit : kRefNone;
+    if (SOLIDS && onePlace && !taken) walk.other = met.primitive;
+  }
   if (taken) walk.hit = met.primitive;
   if (taken && !anyHit) {
     walk.tMax = met.t;
-    walk.hitId = met.id;
+    walk.order = met.order;
+    walk.apart = met.apart;
   }
   both = met.both;
   if (COUNTERS) primitivesVisited[kind] += met.tested;

@@ -34,6 +34,7 @@ Row raysSpawned, nodesVisited, primitivesVisited;
 #include "cube.glsl"
 #include "traverse.glsl"
 #include "shade.glsl"
+#include "solids.glsl"
 #include "state.glsl"
 
 // Where an invocation stands.
@@ -82,6 +83,7 @@ void beginSample(const uvec2 pixel) {
   rayKind = kEye;
   weight = 1.0;
   level = 1u;
+  if (SOLIDS) solids = frame.solids, hiddenWalls = 0u;
   RayFactors factors = rayFactors(ray.direction);
   walk = walkAlongList(cubeList(kEyeCube, cubeFace(ray.direction, factors.axis), factors.shear.xy), kNoHit);
   phase = kTrace;
@@ -94,6 +96,7 @@ void findNearestHit(const RayFactors factors, inout int budget) {
   if (!isOver(walk)) return;
   hitT = walk.tMax;
   hitPrimitive = walk.hit;
+  hitOther = walk.other;
   light = 0u;
   phase = kNextLight;
   // A miss sees the background.
@@ -131,12 +134,26 @@ void addLight(const Surface surface, const MaterialRows material, inout int budg
   }
 }
 
+// Of a wall that is hidden in other glass nothing is seen: the ray goes straight on.
+void passHiddenWall(const Surface surface, const Crossing crossing) {
+  ray = leaveSurface(surface, hitPrimitive, ray.direction, false);
+  solids = crossing.beyond;
+  ++hiddenWalls;
+  walk = walkFromRoot();
+  phase = kTrace;
+  // Every such ray comes to an end, whatever the geometry.
+  if (hiddenWalls >= kMaxHiddenWalls) {
+    solidsLost = true;
+    phase = kNextRay;
+  }
+}
+
 // All lights are done: spawns what is reflected and transmitted. One ray goes on, the other waits.
-void spawnRays(const Surface surface, const MaterialRows material, const uint slot) {
+void spawnRays(const Surface surface, const MaterialRows material, const Crossing crossing, const uint slot) {
   phase = kNextRay;
   float r = reflectance(material), t = transmittance(material);
   vec3 T = vec3(0);
-  bool passes = REFRACTION && t > 0.0 && transmission(surface, ray.direction, indexOfRefraction(material), T);
+  bool passes = REFRACTION && t > 0.0 && transmission(surface, ray.direction, crossing.n, T);
   // On total internal reflection the share of T goes to R.
   if (!passes) r += REFRACTION ? t : 0.0;
   float reflectedWeight = weight * r, transmittedWeight = weight * t;
@@ -150,7 +167,7 @@ void spawnRays(const Surface surface, const MaterialRows material, const uint sl
 
   Ray through = leaveSurface(surface, hitPrimitive, T, false);
   if (reflects) {
-    if (transmits) pushRay(slot, through, transmittedWeight);
+    if (transmits) pushRay(slot, through, transmittedWeight, crossing.beyond);
     ray = leaveSurface(surface, hitPrimitive, reflection(surface, ray.direction), true);
     rayKind = kReflected;
     weight = reflectedWeight;
@@ -158,9 +175,11 @@ void spawnRays(const Surface surface, const MaterialRows material, const uint sl
     ray = through;
     rayKind = kRefracted;
     weight = transmittedWeight;
+    if (SOLIDS) solids = crossing.beyond;
   }
   if (reflects || transmits) {
     ++level;
+    hiddenWalls = 0u;
     walk = walkFromRoot();
     phase = kTrace;
   }
@@ -178,14 +197,29 @@ void followRay(const uint slot, const uvec2 pixel, inout int budget) {
   if (phase == kNextLight || phase == kTraceShadow) {
     Surface surface = surfaceAt(ray, factors, hitT, hitPrimitive);
     MaterialRows material = materialRows(surface.material);
-    if (phase == kNextLight && reflectsNoLight(material)) light = LIGHTS;
+    Crossing crossing = Crossing(uvec4(0u), false, vec2(1, 0));
+    if (SOLIDS) {
+      bool meetsOther = hitOther != kRefNone;
+      Surface other = surface;
+      if (meetsOther) other = surfaceAt(ray, factors, hitT, hitOther);
+      crossing = crossWall(solids, surface, meetsOther, other);
+      if (meetsOther) surface.margin = max(surface.margin, other.margin);
+    } else if (REFRACTION) {
+      crossing.n = indexBehind(surface, indexOfRefraction(material));
+    }
+    if (phase == kNextLight && (reflectsNoLight(material) || crossing.hidden)) light = LIGHTS;
     if (light < LIGHTS && budget > 0) {
       do {
         budget -= 1 + idleTurns(SHADOW_NODES);
         addLight(surface, material, budget);
       } while (light < LIGHTS && budget > 0);
     }
-    if (phase == kNextLight && light >= LIGHTS) spawnRays(surface, material, slot);
+    if (phase == kNextLight && light >= LIGHTS) {
+      if (crossing.hidden)
+        passHiddenWall(surface, crossing);
+      else
+        spawnRays(surface, material, crossing, slot);
+    }
   }
 
   // Go on with the deepest ray that waits; without one the sample is complete.
@@ -203,6 +237,7 @@ void followRay(const uint slot, const uvec2 pixel, inout int budget) {
 
 void main() {
   frame = frameInMemory;
+  solidsLost = false;
   root = frame.centreHi.w;
   uint slot = invocationSlot();
   uvec2 inTile = slotPixel(slot);
@@ -233,6 +268,7 @@ void main() {
   }
 
   if (COUNTERS && exists && (FRESH || !finishedBefore)) putCountsAway(slot);
+  if (SOLIDS && solidsLost) atomicAdd(status.solidsLost, 1u);
   if (!finishedBefore) {
     pixels[at] = packRow(sum / float(SAMPLES * SAMPLES), phase);
     if (phase != kDone) {

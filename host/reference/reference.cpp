@@ -29,12 +29,15 @@
 #include <limits>
 #include <mutex>
 #include <stop_token>
+#include <string>
 #include <thread>
 #include <utility>
 #include <vector>
 
 #include "cores.h"
+#include "errors.h"
 #include "reference/reference_tree.h"
+#include "scene/solids.h"
 
 namespace turner {
 namespace {
@@ -221,7 +224,7 @@ struct Surface {
 class World {
  public:
   World(const Scene& itsScene, ReferenceSearch search)
-      : scene(itsScene), bruteForce(search == ReferenceSearch::bruteForce) {
+      : scene(itsScene), solids(overlappingSolids(itsScene)), bruteForce(search == ReferenceSearch::bruteForce) {
     double largestCoordinate = largestSize(scene.camera.eye);
     std::vector<reference::Box> boxes;
     boxes.reserve(primitiveCount());
@@ -245,17 +248,33 @@ class World {
   struct Hit {
     double t = kFarAway;
     uint32_t id = kNothing;
+    uint32_t other = kNothing;  // where solids touch: another wall in the same place
   };
 
-  // The nearest primitive on the ray; among equally near ones that of the lowest id.
+  // The nearest primitive on the ray; among those in the same place the one that comes first.
   Hit closest(const Ray& ray) const {
     Hit hit;
+    double apart = 0;  // how far along the ray the hit's place reaches
     forCandidates(ray, hit.t, [&](uint32_t id) {
       const double t = hitPrimitive(ray, id);
-      if (t < hit.t || (t == hit.t && id < hit.id && t < kFarAway)) hit = {t, id};
-      return hit.t;
+      if (t == kFarAway) return hit.t + apart;
+      const double itsApart = solids.empty() ? 0 : apartAlong(ray, t, id);
+      const bool samePlace = hit.id != kNothing && std::abs(t - hit.t) <= std::max(apart, itsApart);
+      const bool taken = samePlace ? comesFirst(id, hit.id) : t < hit.t;
+      if (samePlace && !taken) hit.other = id;
+      if (taken) {
+        hit = {t, id, samePlace ? hit.id : kNothing};
+        apart = itsApart;
+      }
+      return hit.t + apart;
     });
     return hit;
+  }
+
+  // Of the solids that overlap or touch, the one that a primitive is a wall of, or kNoSolid.
+  uint32_t solidOf(uint32_t id) const {
+    if (solids.empty()) return kNoSolid;
+    return id < scene.spheres.size() ? solids.ofSpheres[id] : solids.ofTriangles[id - scene.spheres.size()];
   }
 
   // Whether anything lies on the ray nearer than `end`.
@@ -282,8 +301,30 @@ class World {
   }
 
   const Scene& scene;
+  const Solids solids;
 
  private:
+  // Walls are in one place if they are no farther apart than float32 can just tell, seen from the eye: this along the ray.
+  double apartAlong(const Ray& ray, double t, uint32_t id) const {
+    const dvec3 x = ray.origin + t * ray.direction;
+    const dvec3 normal = id < scene.spheres.size() ? (x - scene.spheres[id].center) / scene.spheres[id].radius
+                                                   : faceNormals[id - scene.spheres.size()];
+    const double cosine = std::abs(glm::dot(normal, ray.direction));
+    return 0x1p-21 * glm::length(x - scene.camera.eye) / std::max(cosine, 0x1p-10);
+  }
+
+  // Of primitives in one place: what is opaque, then glass, of solids that overlap the one with priority; then by ids.
+  bool comesFirst(uint32_t a, uint32_t b) const {
+    const auto kind = [&](uint32_t id) {
+      const uint32_t material = id < scene.spheres.size() ? scene.spheres[id].material
+                                                          : scene.triangles[id - scene.spheres.size()].material;
+      if (scene.materials[material].transmit <= 0) return int64_t(-2);
+      const uint32_t solid = solidOf(id);
+      return solid == kNoSolid ? int64_t(-1) : int64_t(kNoSolid) - solid;
+    };
+    return std::pair(kind(a), a) < std::pair(kind(b), b);
+  }
+
   size_t primitiveCount() const { return scene.spheres.size() + scene.triangles.size(); }
 
   template <class Visit>
@@ -428,14 +469,75 @@ class Tracer {
   RayCounts counts;
 
  private:
-  dvec3 seenAlong(const dvec3& direction) { return radiance(makeRay(scene.camera.eye, direction, kNothing), 1, 1); }
+  // The overlapping solids that a ray is in, ascending: the last one is seen.
+  using Inside = std::vector<uint32_t>;
+
+  // Through the walls in one place: what the ray is in behind them, and the index of refraction before over behind.
+  struct Crossing {
+    Inside behind;
+    double ratio;
+    bool hidden = false;  // there is no wall to be seen: the same glass before and behind
+  };
+
+  static void enterOrLeave(Inside& inside, uint32_t solid, bool enters) {
+    const auto at = std::lower_bound(inside.begin(), inside.end(), solid);
+    const bool there = at != inside.end() && *at == solid;
+    if (enters && !there) inside.insert(at, solid);
+    if (!enters && there) inside.erase(at);
+  }
+
+  double indexIn(const Inside& inside) const {
+    return inside.empty() ? 1 : scene.materials[world.solids.materials[inside.back()]].ior;
+  }
+
+  bool sameGlass(const Inside& a, const Inside& b) const {
+    if (a.empty() || b.empty()) return a.empty() == b.empty();
+    return world.solids.glasses[a.back()] == world.solids.glasses[b.back()];
+  }
+
+  Crossing crossing(const Ray& ray, const World::Hit& hit, Surface& surface, const Inside& inside) const {
+    Crossing result{inside, 1};
+    const uint32_t solid = world.solidOf(surface.id);
+    if (solid != kNoSolid && surface.front) enterOrLeave(result.behind, solid, true);
+    if (hit.other != kNothing && world.solidOf(hit.other) != kNoSolid) {
+      const Surface other = world.surfaceAt(ray, {hit.t, hit.other});
+      enterOrLeave(result.behind, world.solidOf(hit.other), other.front);
+      surface.uncertainty = std::max(surface.uncertainty, other.uncertainty);
+    }
+    if (solid != kNoSolid && !surface.front) enterOrLeave(result.behind, solid, false);
+    const double own = surface.material->ior;
+    if (solid != kNoSolid) {
+      result.ratio = indexIn(inside) / indexIn(result.behind);
+      result.hidden = sameGlass(inside, result.behind);
+    } else {
+      result.ratio = surface.front ? indexIn(inside) / own : own / indexIn(result.behind);
+    }
+    return result;
+  }
+
+  dvec3 seenAlong(const dvec3& direction) {
+    return radiance(makeRay(scene.camera.eye, direction, kNothing), world.solids.aroundEye, 1, 1);
+  }
 
   // What comes back along the ray, which is of this level of its tree and counts in the pixel with this weight.
-  dvec3 radiance(const Ray& ray, int level, double weight) {
-    if (stop.stop_requested()) return dvec3(0);
-    const World::Hit hit = world.closest(ray);
-    if (hit.id == kNothing) return scene.background;
-    const Surface surface = world.surfaceAt(ray, hit);
+  dvec3 radiance(Ray ray, Inside inside, int level, double weight) {
+    for (int walls = 0; walls < kMostHiddenWalls; ++walls) {
+      if (stop.stop_requested()) return dvec3(0);
+      const World::Hit hit = world.closest(ray);
+      if (hit.id == kNothing) return scene.background;
+      Surface surface = world.surfaceAt(ray, hit);
+      const Crossing through = crossing(ray, hit, surface, inside);
+      if (!through.hidden) return sentBack(ray, surface, inside, through, level, weight);
+      ray = makeRay(surface.startToward(ray.direction), ray.direction, surface.id);
+      inside = through.behind;
+    }
+    throw RunError("a ray passed more than " + std::to_string(kMostHiddenWalls) + " walls hidden in other glass");
+  }
+  static constexpr int kMostHiddenWalls = 65536;
+
+  // What a surface sends back along the ray that hit it.
+  dvec3 sentBack(const Ray& ray, const Surface& surface, const Inside& inside, const Crossing& through, int level,
+                 double weight) {
     const Material& material = *surface.material;
     const dvec3 V = -ray.direction;
     dvec3 sum = material.localWeight * localLight(surface, V);
@@ -444,24 +546,26 @@ class Tracer {
     // The reflected ray: about Ns, or about Ng if it would go into the surface.
     dvec3 R = reflect(V, surface.Ns);
     if (glm::dot(R, surface.Ng) <= 0) R = reflect(V, surface.Ng);
-    // The transmitted ray likewise; it enters on a front hit and leaves on a back hit.
+    // The transmitted ray likewise.
     dvec3 T;
-    const double ratio = surface.front ? 1 / material.ior : material.ior;
-    bool passes = material.transmit > 0 && refract(V, surface.Ns, ratio, T);
-    if (passes && glm::dot(T, surface.Ng) >= 0) passes = refract(V, surface.Ng, ratio, T);
+    bool passes = material.transmit > 0 && refract(V, surface.Ns, through.ratio, T);
+    if (passes && glm::dot(T, surface.Ng) >= 0) passes = refract(V, surface.Ng, through.ratio, T);
 
     // On total internal reflection all goes into R.
     const double r = passes ? material.reflect : material.reflect + material.transmit;
-    sum += r * child(surface, R, level + 1, weight * r, counts.reflected);
-    if (passes) sum += material.transmit * child(surface, T, level + 1, weight * material.transmit, counts.refracted);
+    sum += r * child(surface, R, inside, level + 1, weight * r, counts.reflected);
+    if (passes)
+      sum += material.transmit *
+             child(surface, T, through.behind, level + 1, weight * material.transmit, counts.refracted);
     return sum;
   }
 
   // Spawns a ray unless it is too deep in its tree or counts too little.
-  dvec3 child(const Surface& surface, const dvec3& direction, int level, double weight, uint64_t& count) {
+  dvec3 child(const Surface& surface, const dvec3& direction, const Inside& inside, int level, double weight,
+              uint64_t& count) {
     if (level > settings.depth || weight <= 0 || weight < settings.weightLimit()) return dvec3(0);
     ++count;
-    return radiance(makeRay(surface.startToward(direction), direction, surface.id), level, weight);
+    return radiance(makeRay(surface.startToward(direction), direction, surface.id), inside, level, weight);
   }
 
   // The sum over the lights: E_i * vis_i * (k_d + k_s * max(0, N.H)^n) * max(0, N.L).

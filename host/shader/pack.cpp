@@ -8,7 +8,9 @@
 #include <cstring>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <numeric>
 #include <optional>
+#include <span>
 #include <tuple>
 #include <utility>
 
@@ -65,14 +67,14 @@ Row planeRow(const Triangle& triangle) {
   return plane ? row(plane->normal, plane->offset) : Row{};
 }
 
-// `normals`: where its vertex normals stand in the packed scene.
-gpu::Sphere packSphere(const Sphere& sphere, uint id) {
-  return {row(sphere.center, sphere.radius), {std::bit_cast<float>(id), std::bit_cast<float>(sphere.material), 0, 0}};
+gpu::Sphere packSphere(const Sphere& sphere, uint precedence) {
+  return {row(sphere.center, sphere.radius),
+          {std::bit_cast<float>(precedence), std::bit_cast<float>(sphere.material), 0, 0}};
 }
 
 // The same of one that the eye is near; its NearSphere is at this row among the materials.
-gpu::Sphere packNearSphere(const Sphere& sphere, uint id, uint restRow) {
-  gpu::Sphere packed = packSphere(sphere, id);
+gpu::Sphere packNearSphere(const Sphere& sphere, uint precedence, uint restRow) {
+  gpu::Sphere packed = packSphere(sphere, precedence);
   packed.tags.y = std::bit_cast<float>(sphere.material | gpu::kNearEye);
   packed.tags.z = std::bit_cast<float>(restRow);
   packed.tags.w = std::bit_cast<uint>(float(eyePower(sphere)));
@@ -84,19 +86,20 @@ gpu::NearSphere nearSphereOf(const Sphere& sphere) {
   return {rowRest(sphere.center, std::bit_cast<uint>(float(power - float(power))))};
 }
 
-gpu::TrianglePair packPair(const Shapes& shapes, const TrianglePair& pair, uint normals) {
+// `normals`: where its vertex normals stand in the packed scene. `precedence`: of the triangles.
+gpu::TrianglePair packPair(const Shapes& shapes, const TrianglePair& pair, uint normals,
+                           std::span<const uint> precedence) {
   const std::vector<Triangle>& triangles = shapes.scene.triangles;
-  const uint firstId = uint(shapes.firstPair());
   const Triangle& first = triangles[pair.first];
   const auto& [a, b, c] = first.vertices;
-  gpu::TrianglePair packed{row(a, firstId + pair.first),
+  gpu::TrianglePair packed{row(a, precedence[pair.first]),
                            row(b, first.material),
                            row(c, first.normals == kNoNormals ? gpu::kRefNone : normals),
                            row(b, gpu::kRefNone),
                            {planeRow(first), {}}};
   if (!pair.isAlone()) {
     const Triangle& second = triangles[pair.second];
-    packed.v3 = row(second.vertices[0], firstId + pair.second);
+    packed.v3 = row(second.vertices[0], precedence[pair.second]);
     packed.normals[1] = planeRow(second);
   }
   return packed;
@@ -208,7 +211,45 @@ Features featuresOf(const Scene& scene) {
   return features;
 }
 
+// Two of them in each word.
+Row solidsAroundEye(const Shapes& shapes) {
+  const std::vector<uint32_t>& solids = shapes.solids.aroundEye;
+  if (solids.size() > gpu::kMaxSolids)
+    throw InputError("the camera's eye is in " + std::to_string(solids.size()) +
+                     " solids of glass that overlap; a ray can be in " + std::to_string(gpu::kMaxSolids) +
+                     "; use --backend reference");
+  std::array<uint, 4> words{};
+  for (size_t i = 0; i < solids.size(); ++i) words[i % 4] |= (shapes.firstSolid + solids[i]) << (i < 4 ? 0 : 16);
+  return std::bit_cast<Row>(words);
+}
+
 }  // namespace
+
+std::vector<uint> precedences(const Shapes& shapes) {
+  const Scene& scene = shapes.scene;
+  const size_t spheres = scene.spheres.size(), count = spheres + scene.triangles.size();
+  std::vector<uint> result;
+  makeRoom(result, count);
+  result.resize(count);
+  // 0: opaque; 1: glass; 2 and more: a solid, less where its priority is higher.
+  const auto groupOf = [&](size_t id) {
+    const uint material = id < spheres ? scene.spheres[id].material : scene.triangles[id - spheres].material;
+    if (material >= shapes.firstSolid) return uint(scene.materials.size()) + 1 - material;
+    return scene.materials[material].transmit > 0 ? 1u : 0u;
+  };
+  const bool anyGlass =
+      std::any_of(scene.materials.begin(), scene.materials.end(), [](const Material& m) { return m.transmit > 0; });
+  if (!anyGlass) {
+    std::iota(result.begin(), result.end(), 0u);
+    return result;
+  }
+  std::vector<uint> groups(count), starts(scene.materials.size() - shapes.firstSolid + 3);
+  forAll(count, [&](size_t id) { groups[id] = groupOf(id); });
+  for (const uint group : groups) ++starts[group + 1];
+  std::partial_sum(starts.begin(), starts.end(), starts.begin());
+  for (size_t id = 0; id < count; ++id) result[id] = starts[groups[id]]++;
+  return result;
+}
 
 size_t PackedScene::bytes() const {
   return nodes.size() * sizeof(gpu::Node) + (primitives.size() + cubes.size()) * sizeof(gpu::Row) +
@@ -227,10 +268,17 @@ PackedScene packScene(const Shapes& shapes, const Bvh& bvh, const RenderSettings
   if (bvh.depth > int(gpu::kMaxTreeDepth))
     throw RunError("the tree is " + std::to_string(bvh.depth) + " nodes deep, more than the kernel's stack holds");
 
+  if (!shapes.solids.empty() && local.materials.size() > gpu::kMaxMaterials)
+    throw InputError(std::to_string(shapes.solids.materials.size()) +
+                     " solids of glass overlap or touch each other; the kernel can number " +
+                     std::to_string(gpu::kMaxMaterials - shapes.firstSolid) + "; use --backend reference");
+
   PackedScene packed;
   packed.features = featuresOf(local);
+  packed.features.solids = !shapes.solids.empty();
   packed.view = {.camera = local.camera,
                  .background = local.background,
+                 .solids = solidsAroundEye(shapes),
                  .width = settings.width,
                  .height = settings.height,
                  .crop = settings.crop};
@@ -251,6 +299,7 @@ PackedScene packScene(const Shapes& shapes, const Bvh& bvh, const RenderSettings
     const TrianglePair& pair = shapes.pairs[shape - sphereCount];
     if (local.triangles[pair.first].normals != kNoNormals) normalsPlace += pair.isAlone() ? 1 : 2;
   }
+  const std::vector<uint> precedence = precedences(shapes);
   std::vector<uint> nearSpheres;
   for (uint i = 0; i < sphereCount; ++i) {
     if (isNearEye(local.spheres[i])) nearSpheres.push_back(i);
@@ -271,13 +320,13 @@ PackedScene packScene(const Shapes& shapes, const Bvh& bvh, const RenderSettings
       const auto near = std::lower_bound(nearSpheres.begin(), nearSpheres.end(), shape);
       const gpu::Sphere packedSphere =
           near == nearSpheres.end() || *near != shape
-              ? packSphere(sphere, shape)
-              : packNearSphere(sphere, shape, nearSphereRow + uint(near - nearSpheres.begin()));
+              ? packSphere(sphere, precedence[shape])
+              : packNearSphere(sphere, precedence[shape], nearSphereRow + uint(near - nearSpheres.begin()));
       std::memcpy(rows, &packedSphere, sizeof packedSphere);
       return;
     }
     const TrianglePair& pair = shapes.pairs[shape - sphereCount];
-    const gpu::TrianglePair packedPair = packPair(shapes, pair, normals[i]);
+    const gpu::TrianglePair packedPair = packPair(shapes, pair, normals[i], std::span(precedence).subspan(sphereCount));
     std::memcpy(rows, &packedPair, sizeof packedPair);
     if (local.triangles[pair.first].normals == kNoNormals) return;
     const auto putNormals = [&](size_t to, uint triangle) {
@@ -293,10 +342,13 @@ PackedScene packScene(const Shapes& shapes, const Bvh& bvh, const RenderSettings
   forAll(bvh.nodes.size(), [&](size_t i) { packed.nodes[i] = packNode(bvh.nodes[i], references); });
   if (!bvh.order.empty()) packed.view.root = bvh.root.count > 0 ? leafReference(bvh.root, references) : bvh.root.first;
 
-  for (const Material& material : local.materials)
+  for (uint i = 0; i < local.materials.size(); ++i) {
+    const Material& material = local.materials[i];
+    const uint glass = i < shapes.firstSolid ? 0 : 1 + shapes.solids.glasses[i - shapes.firstSolid];
     for (const Row& part : {row(material.diffuse, material.reflect), row(material.specular, material.transmit),
-                            row({material.shininess, material.ior, material.localWeight})})
+                            row({material.shininess, material.ior, material.localWeight}, glass)})
       packed.materials.push_back(part);
+  }
   for (const uint i : nearSpheres) packed.materials.push_back(nearSphereOf(local.spheres[i]).centerRest);
   for (const Light& light : local.lights)
     packed.lights.push_back({row(light.position, uint(light.falloff == Falloff::inverseSquare)), row(light.color)});
@@ -332,6 +384,7 @@ gpu::Frame packFrame(const View& view, const RenderSettings& settings, uint32_t 
   frame.rightLo = rowRest(perRight, settings.seed);
   frame.downHi = row(perDown, settings.weightLimit());
   frame.downLo = rowRest(perDown, deviceThreads);
+  frame.solids = view.solids;
   frame.background = row(view.background, gpu::kCanaryLength);
   return frame;
 }

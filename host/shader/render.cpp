@@ -101,6 +101,7 @@ Pipeline makePipeline(const Device& device, const Spirv& kernel, const Features&
   constants[gpu::kSpecFresh] = fresh;
   constants[gpu::kSpecNearSpheres] = features.nearSpheres;
   constants[gpu::kSpecFarSpheres] = features.farSpheres;
+  constants[gpu::kSpecSolids] = features.solids && settings.depth > 1;
   std::array<vk::SpecializationMapEntry, constants.size()> entries;
   for (uint i = 0; i < entries.size(); ++i)
     entries[i] = vk::SpecializationMapEntry(i, uint(i * sizeof(uint)), sizeof(uint));
@@ -222,7 +223,7 @@ int ShaderRenderer::Parts::tileSide(const Dispatching& dispatching, int depth) c
   int side = dispatching.tile > 0 ? (dispatching.tile + 7) / 8 * 8 : device.isCpu() ? 128 : 512;
   const vk::DeviceSize most = std::min<vk::DeviceSize>(kStateBytes, device.limits().maxStorageBufferRange);
   while (side > 8 &&
-         vk::DeviceSize(side) * vk::DeviceSize(side) * gpu::stateRows(uint(depth)) * sizeof(gpu::Row) > most)
+         vk::DeviceSize(side) * vk::DeviceSize(side) * gpu::stateRows(uint(depth), features.solids) * sizeof(gpu::Row) > most)
     side = std::max(8, side / 2 / 8 * 8);
   return side;
 }
@@ -267,8 +268,8 @@ ShaderRenderer::Parts::Passes::Passes(Parts& owner, const Spirv& spirv, const Re
     frames[0].addresses[i] = {std::bit_cast<float>(uint(address)), std::bit_cast<float>(uint(address >> 32)), 0, 0};
   }
   frame = device.upload(bytesOf(frames), "frame");
-  state =
-      device.storageBuffer(vk::DeviceSize(slots) * gpu::stateRows(uint(settings.depth)) * sizeof(gpu::Row), "state");
+  state = device.storageBuffer(
+      vk::DeviceSize(slots) * gpu::stateRows(uint(settings.depth), parts.features.solids) * sizeof(gpu::Row), "state");
   pixels = device.storageBuffer(vk::DeviceSize(area) * sizeof(gpu::Row), "pixels");
   status = device.storageBuffer(sizeof(gpu::Status), "status");
   hostStatus = device.hostBuffer(sizeof(gpu::Status), "status on the host");
@@ -372,6 +373,10 @@ void ShaderRenderer::Parts::Passes::traceTile(gpu::Tile tile, const Progress& pr
         throw RunError(
             "the driver of " + device.info().name +
             " ended the kernel's loops early (a loop limiter); the picture would be wrong and is not written");
+      if (last.solidsLost > 0)
+        throw RunError("a ray was in more than " + std::to_string(gpu::kMaxSolids) +
+                       " solids of glass at once, or passed more than " + std::to_string(gpu::kMaxHiddenWalls) +
+                       " walls hidden in others; the picture would be wrong and is not written; use --backend reference");
       // What of this pass is still to be dispatched waits as before.
       const double toCome = 1 - double(tile.firstGroup + tile.groups) / double(allGroups);
       const double waiting = std::min(waitingBefore, toCome * waitingBefore + double(last.samplesWaiting));

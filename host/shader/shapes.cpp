@@ -100,6 +100,20 @@ std::vector<TrianglePair> pairPiece(Scene& scene, size_t begin, size_t end) {
   return pairs;
 }
 
+// No pair reaches over two solids then.
+void giveSolidsMaterials(Shapes& shapes) {
+  Scene& scene = shapes.scene;
+  shapes.solids = overlappingSolids(scene);
+  shapes.firstSolid = uint32_t(scene.materials.size());
+  for (const uint32_t material : shapes.solids.materials) scene.materials.push_back(scene.materials[material]);
+  for (size_t i = 0; i < shapes.solids.ofSpheres.size(); ++i)
+    if (const uint32_t solid = shapes.solids.ofSpheres[i]; solid != kNoSolid)
+      scene.spheres[i].material = shapes.firstSolid + solid;
+  for (size_t i = 0; i < shapes.solids.ofTriangles.size(); ++i)
+    if (const uint32_t solid = shapes.solids.ofTriangles[i]; solid != kNoSolid)
+      scene.triangles[i].material = shapes.firstSolid + solid;
+}
+
 std::vector<TrianglePair> pairTriangles(Scene& scene) {
   const size_t count = scene.triangles.size();
   std::vector<std::vector<TrianglePair>> pieces((count + kPiece - 1) / kPiece);
@@ -156,7 +170,9 @@ std::vector<Box> paddedBoxes(const Scene& scene, std::span<const TrianglePair> p
 }  // namespace
 
 Shapes shapesOf(Scene local) {
-  Shapes shapes{.scene = std::move(local), .pairs = {}, .boxes = {}};
+  Shapes shapes;
+  shapes.scene = std::move(local);
+  giveSolidsMaterials(shapes);
   shapes.pairs = pairTriangles(shapes.scene);
   shapes.boxes = paddedBoxes(shapes.scene, shapes.pairs);
   return shapes;

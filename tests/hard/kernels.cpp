@@ -75,6 +75,7 @@ Kernel makeKernel(const Device& device, Fetch fetch, const std::string& path, co
       {gpu::kSpecSmoothNormals, features.smoothNormals},
       {gpu::kSpecNearSpheres, features.nearSpheres},
       {gpu::kSpecFarSpheres, features.farSpheres},
+      {gpu::kSpecSolids, features.solids},
   };
   std::vector<vk::SpecializationMapEntry> entries;
   for (size_t i = 0; i < constants.size(); ++i)
@@ -148,6 +149,7 @@ struct Kernels::Parts {
   std::string kernels;  // the folder of their sources
   Fetch fetch = fetchOf(device);
   Scene local;
+  std::vector<uint32_t> ids;  // of primitives, by their precedence
   Features features;
   Rows turner, naive;
   std::optional<Kernel> step, naiveStep;
@@ -205,6 +207,10 @@ const Scene& Kernels::local() const {
   return parts_->local;
 }
 
+std::array<uint32_t, 4> Kernels::solidsAroundEye() const {
+  return std::bit_cast<std::array<uint, 4>>(parts_->turner.frame.solids);
+}
+
 void Kernels::setLeastDistance(float least) {
   parts_->naive.frame.background.x = least;
 }
@@ -223,6 +229,9 @@ void Kernels::setScene(const Scene& world, const BuildTree& build) {
   settings.crop = {0, 0, 8, 8};
   const PackedScene packed = packScene(shapes, build(shapes.boxes, shapes.firstPair(), {}), settings, Cubes::wholeTree);
   parts.features = packed.features;
+  const std::vector<uint> order = precedences(shapes);
+  parts.ids.resize(order.size());
+  for (uint id = 0; id < order.size(); ++id) parts.ids[order[id]] = id;
   parts.turner.frame = packFrame(packed.view, settings, 1);
   const auto set = [&](uint binding, std::span<const std::byte> bytes) {
     parts.setArray(parts.turner, binding, bytes);
@@ -243,7 +252,8 @@ void Kernels::setScene(const Scene& world, const BuildTree& build) {
 
   const Features &a = parts.features, &b = parts.stepFeatures;
   if (!parts.step || a.spheres != b.spheres || a.triangles != b.triangles || a.smoothNormals != b.smoothNormals ||
-      a.nearSpheres != b.nearSpheres || a.farSpheres != b.farSpheres) {
+      a.nearSpheres != b.nearSpheres || a.farSpheres != b.farSpheres ||
+      a.solids != b.solids) {
     parts.step = makeKernel(parts.device, parts.fetch, parts.kernels + "step.comp", parts.features);
     parts.stepFeatures = parts.features;
   }
@@ -266,6 +276,7 @@ std::vector<Found> Kernels::trace(std::span<const Query> queries, Tracer tracer)
       given[gpu::kGivenRows * i + gpu::kGivenOrigin] = rowOf(query.ray.origin, query.ray.leaving);
       given[gpu::kGivenRows * i + gpu::kGivenDirection] = rowOf(query.ray.direction, std::bit_cast<uint>(query.end));
       given[gpu::kGivenRows * i + gpu::kGivenNext] = rowOf(query.target, uint(query.next));
+      given[gpu::kGivenRows * i + gpu::kGivenSolids] = std::bit_cast<Row>(query.ray.solids);
     }
     // The kernel takes the number of its rays from the size of this binding.
     Buffer bound;
@@ -292,15 +303,19 @@ std::vector<Found> Kernels::trace(std::span<const Query> queries, Tracer tracer)
         throw RunError("ray " + std::to_string(begin + i) + " did not come to its end within the budget");
       const bool hits = std::bit_cast<uint>(hit.y) != gpu::kRefNone;
       result.push_back({.t = hit.x,
-                        .id = hits ? std::bit_cast<uint>(hit.z) : kNothing,
+                        .id = !hits                      ? kNothing
+                              : tracer == Tracer::turner ? parts.ids[std::bit_cast<uint>(hit.z)]
+                                                         : std::bit_cast<uint>(hit.z),
                         .front = (hit.w & gpu::kFoundFront) != 0,
                         .point = vec(point),
                         .margin = std::bit_cast<float>(point.w),
                         .Ng = vec(Ng),
                         .Ns = vec(row[gpu::kFoundNs]),
                         .material = Ng.w,
+                        .hidden = (hit.w & gpu::kFoundHidden) != 0,
                         .leaves = (hit.w & gpu::kFoundLeaves) != 0,
-                        .leaving = {vec(leaving), vec(direction), leaving.w}});
+                        .leaving = {vec(leaving), vec(direction), leaving.w,
+                                    std::bit_cast<std::array<uint, 4>>(row[gpu::kFoundSolids])}});
     }
   }
   return result;

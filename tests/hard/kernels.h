@@ -2,6 +2,7 @@
 // shaders/, and can be followed from surface to surface. Beside it the same for a naive float32 tracer.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <glm/vec3.hpp>
@@ -23,7 +24,8 @@ inline constexpr uint32_t kNothing = UINT32_MAX;
 struct TestRay {
   glm::vec3 origin{0};
   glm::vec3 direction{0, 0, 1};
-  uint32_t leaving = kNothing;  // what Found::leaving says; kNothing: it starts in the open
+  uint32_t leaving = kNothing;         // what Found::leaving says; kNothing: it starts in the open
+  std::array<uint32_t, 4> solids = {};  // that it is in, as the kernel has them
 };
 
 // What becomes of a ray at its nearest hit.
@@ -44,6 +46,7 @@ struct Found {
   float margin;  // how far along Ng the next ray starts
   glm::vec3 Ng, Ns;
   uint32_t material;
+  bool hidden;      // transmitted where nothing is seen of the wall
   bool leaves;      // there is a next ray: no total internal reflection, the light faces the surface
   TestRay leaving;  // it
   bool hits() const { return id != kNothing; }
@@ -70,6 +73,8 @@ class Kernels {
   void setScene(const Scene& world, const BuildTree& build);
   // What the kernel has: the result of roundScene.
   const Scene& local() const;
+  // The solids that its eye is in, as a ray has them.
+  std::array<uint32_t, 4> solidsAroundEye() const;
   // For the naive tracer: hits at this distance or nearer do not count.
   void setLeastDistance(float least);
 

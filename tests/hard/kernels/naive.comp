@@ -118,4 +118,5 @@ void main() {
   found[row + kFoundNs] = packRow(Ng, 0u);
   found[row + kFoundLeavingOrigin] = packRow(point, kRefNone);
   found[row + kFoundLeavingDirection] = packRow(leaving, 0u);
+  found[row + kFoundSolids] = Row(0u);
 }

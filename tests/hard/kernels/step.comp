@@ -23,6 +23,7 @@ Row nodesVisited, primitivesVisited;
 #include "../../../shaders/cube.glsl"
 #include "../../../shaders/traverse.glsl"
 #include "../../../shaders/shade.glsl"
+#include "../../../shaders/solids.glsl"
 
 Row packRow(const vec3 v, const uint w) { return Row(floatBitsToUint(v), w); }
 
@@ -33,6 +34,8 @@ void main() {
   if (i >= given.length() / kGivenRows) return;
   Row origin = given[kGivenRows * i + kGivenOrigin], direction = given[kGivenRows * i + kGivenDirection],
       next = given[kGivenRows * i + kGivenNext];
+  uvec4 solids = given[kGivenRows * i + kGivenSolids];
+  solidsLost = false;
   Ray ray = Ray(xyz(origin), xyz(direction), origin.w);
   RayFactors factors = rayFactors(ray.direction);
   Walk walk = walkFromRoot();
@@ -46,7 +49,7 @@ void main() {
 
   Surface surface = Surface(vec3(0), vec3(0), vec3(0), false, false, 0.0, 0u);
   Ray leaving = Ray(vec3(0), vec3(0), kRefNone);
-  bool leaves = false;
+  bool leaves = false, hidden = false;
   if (walk.hit != kRefNone && end == 0.0) {
     surface = surfaceAt(ray, factors, walk.tMax, walk.hit);
     if (next.w == kNextDirection) {
@@ -62,18 +65,29 @@ void main() {
       leaves = true;
     }
     if (next.w == kNextTransmitted) {
-      vec3 T;
-      float ior = indexOfRefraction(materialRows(surface.material));
-      leaves = transmission(surface, ray.direction, ior, T);
+      vec3 T = ray.direction;
+      vec2 n = indexBehind(surface, indexOfRefraction(materialRows(surface.material)));
+      if (SOLIDS) {
+        bool meetsOther = walk.other != kRefNone;
+        Surface other = surface;
+        if (meetsOther) other = surfaceAt(ray, factors, walk.tMax, walk.other);
+        Crossing crossing = crossWall(solids, surface, meetsOther, other);
+        hidden = crossing.hidden;
+        n = crossing.n;
+        solids = crossing.beyond;
+        if (meetsOther) surface.margin = max(surface.margin, other.margin);
+      }
+      leaves = hidden || transmission(surface, ray.direction, n, T);
       leaving = leaveSurface(surface, walk.hit, T, false);
     }
   }
-  uint flags = (isOver(walk) ? 0u : kFoundUnfinished) | (surface.front ? kFoundFront : 0u) | (leaves ? kFoundLeaves : 0u);
+  uint flags = (isOver(walk) && !solidsLost ? 0u : kFoundUnfinished) | (hidden ? kFoundHidden : 0u) | (surface.front ? kFoundFront : 0u) | (leaves ? kFoundLeaves : 0u);
   uint row = kFoundRows * i;
-  found[row + kFoundHit] = Row(floatBitsToUint(walk.tMax), walk.hit, walk.hitId, flags);
+  found[row + kFoundHit] = Row(floatBitsToUint(walk.tMax), walk.hit, walk.order, flags);
   found[row + kFoundPoint] = packRow(surface.point, floatBitsToUint(surface.margin));
   found[row + kFoundNg] = packRow(surface.Ng, surface.material);
   found[row + kFoundNs] = packRow(surface.Ns, 0u);
   found[row + kFoundLeavingOrigin] = packRow(leaving.origin, leaving.leaving);
   found[row + kFoundLeavingDirection] = packRow(leaving.direction, 0u);
+  found[row + kFoundSolids] = solids;
 }

@@ -1,0 +1,34 @@
+// Solids of glass that lie in one another, overlap or touch: where a ray is in several of them, or passes two walls at
+// once, it must be known which of them is seen. Lies below both pack and reference; knows nothing of rays.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "scene/scene.h"
+
+namespace turner {
+
+// A solid is a sphere that transmits light, or triangles of one such material that enclose a volume: every edge of
+// theirs is met as often in one direction as in the other. Spheres and surfaces that face inward are the walls of
+// hollows in the smallest solid of their material whose bounds hold theirs.
+inline constexpr uint32_t kNoSolid = UINT32_MAX;
+
+struct Solids {
+  // The material of each solid whose bounds or walls meet those of another, in order of priority: where two overlap, the
+  // later one is seen. It is the smaller one by volume; of equal ones that with the later primitives.
+  std::vector<uint32_t> materials;
+  // Of each solid a number that it shares with those of the same glass, whose materials are equal but for their names.
+  std::vector<uint32_t> glasses;
+  // Of each sphere and of each triangle the index in `materials`, or kNoSolid; empty where there are no such solids.
+  std::vector<uint32_t> ofSpheres, ofTriangles;
+  // Those that the camera's eye is in, ascending.
+  std::vector<uint32_t> aroundEye;
+
+  bool empty() const { return materials.empty(); }
+};
+
+// `scene` is the exact one, or the result of roundScene.
+Solids overlappingSolids(const Scene& scene);
+
+}  // namespace turner
