@@ -157,6 +157,7 @@ class TurnerSide {
                          .falloff = true,
                          .nearSpheres = true,
                          .farSpheres = true,
+                         .solids = true,
                          .nearestNodes = true,
                          .shadowNodes = true};
     const Built built{secondsSince(start), packed.bytes()};

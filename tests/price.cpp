@@ -109,6 +109,11 @@ std::vector<Switch> allSwitches() {
        .replacements = replaceFunction("shade.glsl", "bool", "refracted", "bool transmission(", "plain_snell.glsl"),
        .matters = [](const Features& features) { return features.refraction; },
        .failures = {wrongRefraction}},
+      {.name = "solids of glass in one another",
+       .without = "a hit on the front enters from air",
+       .replacements = {forceOff("SOLIDS", "kSpecSolids")},
+       .matters = [](const Features& features) { return features.solids; },
+       .failures = {wrongInNestedGlass}},
       // How far two equal kernels come apart: what is nearer to 1 is noise.
       {.name = "nothing: a control", .without = "the same kernel", .matters = always},
   };

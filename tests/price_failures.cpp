@@ -290,4 +290,42 @@ std::vector<Failures> wrongRefraction(const Trial& trial) {
           {"largest error of cos θt of those", worst}};
 }
 
+std::vector<Failures> wrongInNestedGlass(const Trial& trial) {
+  // A ball of water in one of glass. By b = n r sin(angle), the same in both, the ray turns by the differences of its
+  // angles (Bouguer).
+  const double glass = 1.5, water = 1.25, inner = 0.5;
+  const dvec3 middle(0, 0, -4);
+  Scene scene = emptyScene();
+  scene.materials = {Material{.transmit = 1, .ior = glass}, Material{.transmit = 1, .ior = water}};
+  scene.spheres = {{middle, 1, 0}, {middle, inner, 1}};
+  trial.kernels.setScene(scene);
+  Random random(35);
+  size_t wrong = 0;
+  Bench::inBatches(trial.rays, [&](size_t count) {
+    std::vector<TestRay> rays;
+    for (size_t i = 0; i < count; ++i) {
+      const dvec3 d = atCosine({0, 0, 1}, std::cos(uniform(random, 0.01, 0.1)), random);
+      rays.push_back({vec3(0), vec3(-d)});
+    }
+    const std::vector<TestRay> first = rays;
+    for (int wall = 0; wall < 4; ++wall) {
+      std::vector<Query> queries;
+      for (const TestRay& ray : rays) queries.push_back({ray, 0, hard::Next::transmitted});
+      const std::vector<Found> found = trial.kernels.trace(queries);
+      for (size_t i = 0; i < count; ++i) rays[i] = found[i].leaving;
+    }
+    for (size_t i = 0; i < count; ++i) {
+      const dvec3 d = glm::normalize(dvec3(first[i].direction)), T = glm::normalize(dvec3(rays[i].direction));
+      const double b = glm::length(glm::cross(middle, d));
+      const double turn = 2 * (std::asin(b) - std::asin(b / glass) + std::asin(b / (glass * inner)) -
+                               std::asin(b / (water * inner)));
+      const double turned = std::atan2(glm::length(glm::cross(d, T)), glm::dot(d, T));
+      wrong += !(std::abs(turned - std::abs(turn)) <= 1e-5);
+    }
+  });
+  return {{fmt::format("of {:.2g} rays through water in glass leave it in a direction that is 1e-5 or more off",
+                       double(trial.rays)),
+           double(wrong)}};
+}
+
 }  // namespace turner::test

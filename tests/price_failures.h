@@ -31,6 +31,7 @@ std::vector<Failures> wrongHorizon(const Trial& trial);
 std::vector<Failures> wrongSilhouette(const Trial& trial);
 std::vector<Failures> falseSelfHits(const Trial& trial);
 std::vector<Failures> wrongRefraction(const Trial& trial);
+std::vector<Failures> wrongInNestedGlass(const Trial& trial);
 
 // The boxes of shapes without padding, rounded to the nearest float.
 std::vector<Box> exactBoxes(const Shapes& shapes);

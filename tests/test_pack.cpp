@@ -119,10 +119,33 @@ TEST(Pack, RefusesATreeDeeperThanTheStack) {
   EXPECT_THROW(packScene(shapes, bvh, test::settingsOf(scene, 64, 64)), RunError);
 }
 
+std::vector<gpu::uint> idsByPrecedence(const Shapes& shapes) {
+  const std::vector<gpu::uint> places = precedences(shapes);
+  std::vector<gpu::uint> ids(places.size(), gpu::kRefNone);
+  for (gpu::uint id = 0; id < places.size(); ++id) ids.at(places[id]) = id;
+  return ids;
+}
+
+TEST(Pack, OpaqueComesBeforeGlassAndGlassByPriority) {
+  Scene scene = mixedScene();
+  scene.materials = {closed_form::matte({1, 1, 1}), closed_form::glass(0, 1, 1.5), closed_form::glass(0, 1, 1.25)};
+  // Glass; opaque; a large ball of glass and a small one of water in it; opaque.
+  scene.spheres = {{{9, 0, 0}, 1, 1}, {{0, 9, 0}, 1, 0}, {{0, 0, 0}, 2, 1}, {{0, 0, 0}, 1, 2}, {{0, -9, 0}, 1, 0}};
+  scene.triangles.clear();
+  scene.normals.clear();
+  EXPECT_EQ(idsByPrecedence(shapesOf(roundScene(scene))), (std::vector<gpu::uint>{1, 4, 0, 3, 2}));
+  EXPECT_TRUE(pack(scene).features.solids);
+  scene.spheres.pop_back();
+  scene.spheres.erase(scene.spheres.begin() + 3);
+  EXPECT_EQ(idsByPrecedence(shapesOf(roundScene(scene))), (std::vector<gpu::uint>{1, 0, 2}));
+  EXPECT_FALSE(pack(scene).features.solids);
+}
+
 // Walks the packed tree as the kernel does.
 struct PackedCensus {
   const PackedScene& packed;
   const Scene& local;
+  std::vector<gpu::uint> ids;  // by precedence
   std::vector<int> seen;
   size_t pairs = 0;
 
@@ -155,8 +178,9 @@ struct PackedCensus {
 
   // The triangle is the scene's, its corners in cyclic order, each with its normal.
   template <class ExpectInside>
-  void expectTriangle(gpu::uint id, const std::array<gpu::Row, 3>& rows, const gpu::Row& plane, gpu::uint material,
+  void expectTriangle(gpu::uint precedence, const std::array<gpu::Row, 3>& rows, const gpu::Row& plane, gpu::uint material,
                       gpu::uint normals, const ExpectInside& expectInside) {
+    const gpu::uint id = ids.at(precedence);
     ++seen.at(id);
     const Triangle& triangle = local.triangles.at(id - local.spheres.size());
     EXPECT_EQ(material, triangle.material);
@@ -200,7 +224,7 @@ struct PackedCensus {
         }
         row += gpu::kPairUnits * gpu::kUnitRows;
       } else {
-        const uint32_t id = bits(packed.primitives.at(row + 1).x);
+        const uint32_t id = ids.at(bits(packed.primitives.at(row + 1).x));
         ++seen.at(id);
         const Sphere& sphere = local.spheres.at(id);
         expectInside(sphere.center - sphere.radius);
@@ -216,7 +240,7 @@ TEST(Pack, EveryPrimitiveIsReachedOnceAndInItsBoxes) {
   const Scene scene = mixedScene();
   const Scene local = roundScene(scene);
   const PackedScene packed = pack(scene);
-  PackedCensus census{packed, local, std::vector<int>(700, 0)};
+  PackedCensus census{packed, local, idsByPrecedence(shapesOf(local)), std::vector<int>(700, 0)};
   census.visit(packed.view.root, glm::dvec3(-INFINITY), glm::dvec3(INFINITY));
   EXPECT_EQ(census.pairs, 300u);  // 100 of two triangles, 200 of one
   for (const int times : census.seen) EXPECT_EQ(times, 1);

@@ -28,16 +28,19 @@ struct Bounds {
   }
 };
 
-Bounds boundsOf(const Sphere& sphere) {
+// Seen from the eye, as are all bounds here: float32 rounds what the kernel gets in proportion to that.
+Bounds boundsOf(const Scene& scene, const Sphere& sphere) {
+  const dvec3 center = sphere.center - scene.camera.eye;
   const double radius = std::abs(sphere.radius);
-  return {sphere.center - radius, sphere.center + radius};
+  return {center - radius, center + radius};
 }
-Bounds boundsOf(const Triangle& triangle) {
+Bounds boundsOf(const Scene& scene, const Triangle& triangle) {
   const auto& [a, b, c] = triangle.vertices;
-  return {glm::min(a, glm::min(b, c)), glm::max(a, glm::max(b, c))};
+  return {glm::min(a, glm::min(b, c)) - scene.camera.eye, glm::max(a, glm::max(b, c)) - scene.camera.eye};
 }
 
-// Walls nearer to each other than this share of their size touch: a few roundings of float32.
+// Walls and vertices nearer to each other than this share of their distance from the eye touch: a few roundings of
+// float32.
 constexpr double kTouching = 1e-6;
 
 double sizeOf(const Bounds& box) {
@@ -76,24 +79,47 @@ double facing(const Scene& scene, const Triangle& triangle) {
   return glm::dot(glm::cross(b - a, c - a), n[0] + n[1] + n[2]) < 0 ? -1 : 1;
 }
 
-struct PointHash {
-  size_t operator()(const std::array<uint64_t, 3>& p) const {
-    return (p[0] * 0x9e3779b97f4a7c15u ^ std::rotl(p[1] * 0xc2b2ae3d27d4eb4fu, 21)) + p[2] * 0x165667b19e3779f9u;
-  }
-};
-
-// Numbers points: those with the same coordinates have the same number.
+// Numbers points: those within a tolerance of each other have the same number, in whatever way their coordinates were
+// computed or rounded.
 class PointNumbers {
  public:
+  explicit PointNumbers(double tolerance) : tolerance_(tolerance) {}
+
   uint32_t of(const dvec3& p) {
-    // + 0.0: no difference between 0 and -0.
-    const std::array<uint64_t, 3> bits = {std::bit_cast<uint64_t>(p.x + 0.0), std::bit_cast<uint64_t>(p.y + 0.0),
-                                          std::bit_cast<uint64_t>(p.z + 0.0)};
-    return numbers_.try_emplace(bits, uint32_t(numbers_.size())).first->second;
+    // Cells of 16 tolerances: most points look into one.
+    const Cell lo = cellOf(p - tolerance_), hi = cellOf(p + tolerance_);
+    for (int64_t x = lo[0]; x <= hi[0]; ++x)
+      for (int64_t y = lo[1]; y <= hi[1]; ++y)
+        for (int64_t z = lo[2]; z <= hi[2]; ++z) {
+          const auto [first, last] = numbers_.equal_range({x, y, z});
+          for (auto it = first; it != last; ++it)
+            if (glm::length(it->second.point - p) <= tolerance_) return it->second.number;
+        }
+    const uint32_t number = uint32_t(numbers_.size());
+    numbers_.insert({cellOf(p), {p, number}});
+    return number;
   }
 
  private:
-  std::unordered_map<std::array<uint64_t, 3>, uint32_t, PointHash> numbers_;
+  using Cell = std::array<int64_t, 3>;
+  struct Numbered {
+    dvec3 point;
+    uint32_t number;
+  };
+  struct CellHash {
+    size_t operator()(const Cell& c) const {
+      const auto spread = [](int64_t i, uint64_t by) { return uint64_t(i) * by; };
+      return (spread(c[0], 0x9e3779b97f4a7c15u) ^ std::rotl(spread(c[1], 0xc2b2ae3d27d4eb4fu), 21)) +
+             spread(c[2], 0x165667b19e3779f9u);
+    }
+  };
+  Cell cellOf(const dvec3& p) const {
+    const dvec3 cell = glm::floor(p / (16 * tolerance_));
+    return {int64_t(cell.x), int64_t(cell.y), int64_t(cell.z)};
+  }
+
+  double tolerance_;
+  std::unordered_multimap<Cell, Numbered, CellHash> numbers_;
 };
 
 // Sets that grow together.
@@ -116,7 +142,7 @@ void measure(const Scene& scene, Surface& surface) {
     const auto& [a, b, c] = scene.triangles[i].vertices;
     surface.volume +=
         facing(scene, scene.triangles[i]) * glm::dot(a - origin, glm::cross(b - origin, c - origin)) / 6;
-    surface.box.include(boundsOf(scene.triangles[i]));
+    surface.box.include(boundsOf(scene, scene.triangles[i]));
   }
 }
 
@@ -124,13 +150,16 @@ void measure(const Scene& scene, Surface& surface) {
 // their order: whenever no edge is left open, a surface is complete. So two cubes in a row that share an edge or a face
 // are two.
 void addClosedSurfaces(const Scene& scene, const std::vector<uint32_t>& triangles, std::vector<Surface>& surfaces) {
-  PointNumbers numbers;
+  Bounds all;
+  for (const uint32_t i : triangles) all.include(boundsOf(scene, scene.triangles[i]));
+  PointNumbers numbers(kTouching * sizeOf(all));
   using Edge = std::pair<uint32_t, uint32_t>;
   std::vector<std::array<Edge, 3>> edges;
   for (const uint32_t i : triangles) {
     auto [a, b, c] = scene.triangles[i].vertices;
     if (facing(scene, scene.triangles[i]) < 0) std::swap(b, c);
-    const uint32_t p = numbers.of(a), q = numbers.of(b), r = numbers.of(c);
+    const dvec3& eye = scene.camera.eye;
+    const uint32_t p = numbers.of(a - eye), q = numbers.of(b - eye), r = numbers.of(c - eye);
     edges.push_back({Edge{p, q}, {q, r}, {r, p}});
   }
   const auto keyOf = [](uint32_t a, uint32_t b) { return uint64_t(std::min(a, b)) << 32 | std::max(a, b); };
@@ -168,8 +197,10 @@ void addClosedSurfaces(const Scene& scene, const std::vector<uint32_t>& triangle
 }
 
 std::vector<Surface> closedSurfaces(const Scene& scene) {
-  const auto transmits = [&](uint32_t material) { return scene.materials[material].transmit > 0; };
+  const auto isGlass = [](const Material& material) { return material.transmit > 0; };
+  const auto transmits = [&](uint32_t material) { return isGlass(scene.materials[material]); };
   std::vector<Surface> surfaces;
+  if (std::none_of(scene.materials.begin(), scene.materials.end(), isGlass)) return surfaces;
   for (uint32_t i = 0; i < scene.spheres.size(); ++i) {
     const Sphere& sphere = scene.spheres[i];
     if (!transmits(sphere.material)) continue;
@@ -178,7 +209,7 @@ std::vector<Surface> closedSurfaces(const Scene& scene) {
                         .firstId = i,
                         .sphere = i,
                         .volume = 4 * std::numbers::pi / 3 * radius * radius * radius,
-                        .box = boundsOf(sphere)});
+                        .box = boundsOf(scene, sphere)});
   }
   std::vector<std::vector<uint32_t>> byMaterial(scene.materials.size());
   for (uint32_t i = 0; i < scene.triangles.size(); ++i)
@@ -208,18 +239,19 @@ class BoxTree {
     if (!items_.empty()) build(0, uint32_t(items_.size()));
   }
 
-  // Visits the items of other owners whose boxes meet this one, until `visit` returns true.
+  // Visits the items whose boxes meet this one and whose owner is another (kNoSolid: whoever), until `visit` returns true.
   template <class Visit>
   bool findMeeting(const Bounds& box, uint32_t owner, Visit&& visit) const {
     return !nodes_.empty() && find(0, box, owner, visit);
   }
 
  private:
+  static constexpr uint32_t kSeveral = kNoSolid - 1;
   struct Node {
     Bounds box;
     uint32_t first, count;
     uint32_t second = 0;       // its second child; its first one stands next to it; 0: a leaf
-    uint32_t owner = kNoSolid;  // of all its items
+    uint32_t owner = kSeveral;  // of all its items
   };
 
   uint32_t build(uint32_t first, uint32_t count) {
@@ -230,7 +262,7 @@ class BoxTree {
       node.box.include(items_[i].box);
       const dvec3 center = 0.5 * (items_[i].box.lo + items_[i].box.hi);
       centers.include({center, center});
-      if (items_[i].owner != node.owner) node.owner = kNoSolid;
+      if (items_[i].owner != node.owner) node.owner = kSeveral;
     }
     nodes_.push_back(node);
     if (count <= 4) return index;
@@ -309,9 +341,9 @@ double distanceTo(const Triangle& triangle, const dvec3& p) {
 
 // Whether two triangles meet: no axis separates them (Gottschalk, Lin and Manocha, OBBTree, SIGGRAPH 1996, section 5, for
 // triangles: their normals, products of edges, and where they are coplanar the edges' normals in the plane).
-bool meet(const Triangle& s, const Triangle& t) {
+bool meet(const Scene& scene, const Triangle& s, const Triangle& t) {
   const auto &a = s.vertices, &b = t.vertices;
-  const double slack = kTouching * std::max(sizeOf(boundsOf(s)), sizeOf(boundsOf(t)));
+  const double slack = kTouching * std::max(sizeOf(boundsOf(scene, s)), sizeOf(boundsOf(scene, t)));
   const auto separates = [&](const dvec3& axis) {
     const double length = glm::length(axis);
     if (!(length > 0)) return false;
@@ -343,7 +375,7 @@ constexpr double kKissing = 1 - 1e-5;
 bool meet(const Scene& scene, const BoxTree::Item& a, const BoxTree::Item& b) {
   const size_t spheres = scene.spheres.size();
   if (a.index >= spheres && b.index < spheres) return meet(scene, b, a);
-  if (a.index >= spheres) return meet(scene.triangles[a.index - spheres], scene.triangles[b.index - spheres]);
+  if (a.index >= spheres) return meet(scene, scene.triangles[a.index - spheres], scene.triangles[b.index - spheres]);
   const Sphere& sphere = scene.spheres[a.index];
   const double radius = std::abs(sphere.radius);
   if (b.index >= spheres) return distanceTo(scene.triangles[b.index - spheres], sphere.center) < kKissing * radius;
@@ -354,9 +386,9 @@ bool meet(const Scene& scene, const BoxTree::Item& a, const BoxTree::Item& b) {
 template <class Visit>
 void forPrimitives(const Scene& scene, const Solid& solid, Visit&& visit) {
   for (const Surface* surface : solid.surfaces) {
-    if (surface->sphere != kNoSolid) visit(surface->sphere, boundsOf(scene.spheres[surface->sphere]));
+    if (surface->sphere != kNoSolid) visit(surface->sphere, boundsOf(scene, scene.spheres[surface->sphere]));
     for (const uint32_t i : surface->triangles)
-      visit(uint32_t(scene.spheres.size()) + i, boundsOf(scene.triangles[i]));
+      visit(uint32_t(scene.spheres.size()) + i, boundsOf(scene, scene.triangles[i]));
   }
 }
 

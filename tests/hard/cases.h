@@ -55,6 +55,7 @@ std::vector<Case> triangleCases();
 std::vector<Case> treeCases();
 std::vector<Case> lightCases();
 std::vector<Case> refractionCases();
+std::vector<Case> solidCases();
 std::vector<Case> mirrorCases();
 std::vector<Case> shadingCases();
 
