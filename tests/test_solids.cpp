@@ -48,7 +48,7 @@ void addBox(Scene& scene, const dvec3& lo, const dvec3& hi, uint32_t material, b
 }
 
 size_t solidsOf(const Scene& scene) {
-  return overlappingSolids(scene).materials.size();
+  return touchingSolids(scene).materials.size();
 }
 
 TEST(Solids, ApartThereIsNothingToSay) {
@@ -63,20 +63,20 @@ TEST(Solids, OfTwoTheSmallerIsSeen) {
   for (const bool waterFirst : {false, true}) {
     vector<Sphere> balls = {{{0, 0, 0}, 1, kGlass}, {{0.5, 0, 0}, 0.75, kWater}};
     if (waterFirst) std::swap(balls[0], balls[1]);
-    const Solids solids = overlappingSolids(ballsScene(balls));
+    const Solids solids = touchingSolids(ballsScene(balls));
     EXPECT_EQ(solids.materials, (vector<uint32_t>{kGlass, kWater}));
     EXPECT_EQ(solids.ofSpheres, waterFirst ? (vector<uint32_t>{1, 0}) : (vector<uint32_t>{0, 1}));
   }
 }
 
 TEST(Solids, OfEqualOnesTheLater) {
-  const Solids solids = overlappingSolids(ballsScene({{{0, 0, 0}, 1, kWater}, {{0.5, 0, 0}, 1, kGlass}}));
+  const Solids solids = touchingSolids(ballsScene({{{0, 0, 0}, 1, kWater}, {{0.5, 0, 0}, 1, kGlass}}));
   EXPECT_EQ(solids.materials, (vector<uint32_t>{kWater, kGlass}));
   EXPECT_EQ(solids.ofSpheres, (vector<uint32_t>{0, 1}));
 }
 
 TEST(Solids, MaterialsOfEqualValuesAreTheSameGlass) {
-  const Solids solids = overlappingSolids(
+  const Solids solids = touchingSolids(
       ballsScene({{{0, 0, 0}, 3, kGlass}, {{0, 0, 0}, 2, kWater}, {{0, 0, 0}, 1, kOtherGlass}}));
   ASSERT_EQ(solids.materials, (vector<uint32_t>{kGlass, kWater, kOtherGlass}));
   EXPECT_EQ(solids.glasses[0], solids.glasses[2]);
@@ -84,14 +84,14 @@ TEST(Solids, MaterialsOfEqualValuesAreTheSameGlass) {
 }
 
 TEST(Solids, OnlyThoseThatMeetAnother) {
-  const Solids solids = overlappingSolids(
+  const Solids solids = touchingSolids(
       ballsScene({{{9, 0, 0}, 1, kGlass}, {{0, 0, 0}, 1, kGlass}, {{-9, 0, 0}, 1, kWater}, {{1, 0, 0}, 0.9, kWater}}));
   EXPECT_EQ(solids.ofSpheres, (vector<uint32_t>{kNoSolid, 0, kNoSolid, 1}));
 }
 
 TEST(Solids, HollowsBelongToTheSmallestAroundThem) {
   // A ball in a hollow of another, and both in a third one.
-  const Solids solids = overlappingSolids(ballsScene({{{0, 0, 0}, 4, kGlass},
+  const Solids solids = touchingSolids(ballsScene({{{0, 0, 0}, 4, kGlass},
                                                       {{0, 0, 0}, 3, kWater},
                                                       {{0, 0, 0}, -2, kWater},
                                                       {{0, 0, 0}, 1, kGlass},
@@ -103,7 +103,7 @@ TEST(Solids, ClosedTrianglesMakeOne) {
   Scene scene = emptyScene();
   addBox(scene, {0, 0, 0}, {1, 1, 1}, kGlass);
   addBox(scene, {1, 0, 0}, {2, 2, 2}, kWater);
-  Solids solids = overlappingSolids(scene);
+  Solids solids = touchingSolids(scene);
   EXPECT_EQ(solids.materials, (vector<uint32_t>{kWater, kGlass})) << "they share a part of a face";
   EXPECT_EQ(std::count(solids.ofTriangles.begin(), solids.ofTriangles.end(), 1u), 12);
 
@@ -123,7 +123,7 @@ TEST(Solids, BoxesOfOneMaterialInARowAreTwo) {
   Scene scene = emptyScene();
   addBox(scene, {0, 0, 0}, {1, 1, 1}, kGlass);
   addBox(scene, {1, 0, 0}, {2, 1, 1}, kGlass);
-  const Solids solids = overlappingSolids(scene);
+  const Solids solids = touchingSolids(scene);
   EXPECT_EQ(solids.materials.size(), 2u);
   EXPECT_EQ(std::count(solids.ofTriangles.begin(), solids.ofTriangles.end(), 0u), 12);
 }
@@ -184,8 +184,8 @@ TEST(Solids, KnowTheEyes) {
   addBox(scene, {-2.5, -2.5, -2.5}, {2.5, 2.5, 2.5}, kOtherGlass);
   const auto around = [&](const dvec3& eye) {
     scene.camera.eye = eye;
-    const vector<uint32_t> exact = overlappingSolids(scene).aroundEye;
-    EXPECT_EQ(overlappingSolids(roundScene(scene)).aroundEye, exact);
+    const vector<uint32_t> exact = touchingSolids(scene).aroundEye;
+    EXPECT_EQ(touchingSolids(roundScene(scene)).aroundEye, exact);
     return exact;
   };
   // By volume: the box, the ball of glass, that of water.

@@ -224,7 +224,7 @@ struct Surface {
 class World {
  public:
   World(const Scene& itsScene, ReferenceSearch search)
-      : scene(itsScene), solids(overlappingSolids(itsScene)), bruteForce(search == ReferenceSearch::bruteForce) {
+      : scene(itsScene), solids(touchingSolids(itsScene)), bruteForce(search == ReferenceSearch::bruteForce) {
     double largestCoordinate = largestSize(scene.camera.eye);
     std::vector<reference::Box> boxes;
     boxes.reserve(primitiveCount());
@@ -258,7 +258,7 @@ class World {
     forCandidates(ray, hit.t, [&](uint32_t id) {
       const double t = hitPrimitive(ray, id);
       if (t == kFarAway) return hit.t + apart;
-      const double itsApart = solids.empty() ? 0 : apartAlong(ray, t, id);
+      const double itsApart = !solids.matter() ? 0 : apartAlong(ray, t, id);
       const bool samePlace = hit.id != kNothing && std::abs(t - hit.t) <= std::max(apart, itsApart);
       const bool taken = samePlace ? comesFirst(id, hit.id) : t < hit.t;
       if (samePlace && !taken) hit.other = id;
@@ -273,7 +273,7 @@ class World {
 
   // Of the solids that overlap or touch, the one that a primitive is a wall of, or kNoSolid.
   uint32_t solidOf(uint32_t id) const {
-    if (solids.empty()) return kNoSolid;
+    if (solids.materials.empty()) return kNoSolid;
     return id < scene.spheres.size() ? solids.ofSpheres[id] : solids.ofTriangles[id - scene.spheres.size()];
   }
 

@@ -196,11 +196,14 @@ void addClosedSurfaces(const Scene& scene, const std::vector<uint32_t>& triangle
   }
 }
 
+bool hasGlass(const Scene& scene) {
+  return std::any_of(scene.materials.begin(), scene.materials.end(), [](const Material& m) { return m.transmit > 0; });
+}
+
 std::vector<Surface> closedSurfaces(const Scene& scene) {
-  const auto isGlass = [](const Material& material) { return material.transmit > 0; };
-  const auto transmits = [&](uint32_t material) { return isGlass(scene.materials[material]); };
+  const auto transmits = [&](uint32_t material) { return scene.materials[material].transmit > 0; };
   std::vector<Surface> surfaces;
-  if (std::none_of(scene.materials.begin(), scene.materials.end(), isGlass)) return surfaces;
+  if (!hasGlass(scene)) return surfaces;
   for (uint32_t i = 0; i < scene.spheres.size(); ++i) {
     const Sphere& sphere = scene.spheres[i];
     if (!transmits(sphere.material)) continue;
@@ -422,6 +425,56 @@ std::vector<bool> meetingOthers(const Scene& scene, const std::vector<Solid>& so
   return meets;
 }
 
+// Whether two primitives that meet are in one place and not only across each other: coplanar triangles, or equal spheres.
+bool coincide(const Scene& scene, const BoxTree::Item& a, const BoxTree::Item& b) {
+  const size_t spheres = scene.spheres.size();
+  if ((a.index < spheres) != (b.index < spheres)) return false;
+  const double slack = kTouching * std::max(sizeOf(a.box), sizeOf(b.box));
+  if (a.index < spheres) {
+    const Sphere &s = scene.spheres[a.index], &t = scene.spheres[b.index];
+    return glm::length(s.center - t.center) <= slack && std::abs(std::abs(s.radius) - std::abs(t.radius)) <= slack;
+  }
+  const Triangle &s = scene.triangles[a.index - spheres], &t = scene.triangles[b.index - spheres];
+  const auto inPlaneOf = [&](const Triangle& plane, const Triangle& other) {
+    const auto& v = plane.vertices;
+    const dvec3 normal = glm::cross(v[1] - v[0], v[2] - v[0]);
+    const double most = slack * glm::length(normal);
+    return most > 0 && std::all_of(other.vertices.begin(), other.vertices.end(), [&](const dvec3& p) {
+      return std::abs(glm::dot(p - v[0], normal)) <= most;
+    });
+  };
+  return (inPlaneOf(s, t) || inPlaneOf(t, s)) && meet(scene, s, t);
+}
+
+bool liesOnOpaque(const Scene& scene) {
+  if (!hasGlass(scene)) return false;
+  // Calls found(item) for all that is glass, or opaque, until it returns true.
+  const auto any = [&](bool isGlass, const auto& found) {
+    const auto itemOf = [&](const auto& primitive, size_t id) {
+      return BoxTree::Item{.box = boundsOf(scene, primitive), .owner = 0, .index = uint32_t(id)};
+    };
+    const auto wanted = [&](const auto& primitive) {
+      return (scene.materials[primitive.material].transmit > 0) == isGlass;
+    };
+    const size_t spheres = scene.spheres.size();
+    for (size_t i = 0; i < spheres; ++i)
+      if (wanted(scene.spheres[i]) && found(itemOf(scene.spheres[i], i))) return true;
+    for (size_t i = 0; i < scene.triangles.size(); ++i)
+      if (wanted(scene.triangles[i]) && found(itemOf(scene.triangles[i], spheres + i))) return true;
+    return false;
+  };
+  std::vector<BoxTree::Item> glass;
+  any(true, [&](const BoxTree::Item& item) {
+    glass.push_back(item);
+    return false;
+  });
+  const BoxTree tree(std::move(glass));
+  return any(false, [&](const BoxTree::Item& item) {
+    return tree.findMeeting(item.box, kNoSolid,
+                            [&](const BoxTree::Item& other) { return coincide(scene, item, other); });
+  });
+}
+
 // ---- Which of them are around the eye ----
 
 // How often a surface goes around a point: 1 or -1 inside, 0 outside.
@@ -453,7 +506,7 @@ auto valuesOf(const Material& m) {
 
 }  // namespace
 
-Solids overlappingSolids(const Scene& scene) {
+Solids touchingSolids(const Scene& scene) {
   const std::vector<Surface> surfaces = closedSurfaces(scene);
   const std::vector<Solid> solids = solidsOf(surfaces);
   const std::vector<bool> meets = meetingOthers(scene, solids);
@@ -461,6 +514,7 @@ Solids overlappingSolids(const Scene& scene) {
   for (uint32_t k = 0; k < solids.size(); ++k)
     if (meets[k]) order.push_back(k);
   Solids result;
+  result.onOpaque = liesOnOpaque(scene);
   if (order.empty()) return result;
 
   // Volumes that differ by rounding are the same: the exact and the rounded scene are to agree.

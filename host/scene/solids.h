@@ -24,11 +24,14 @@ struct Solids {
   std::vector<uint32_t> ofSpheres, ofTriangles;
   // Those that the camera's eye is in, ascending.
   std::vector<uint32_t> aroundEye;
+  // Glass, a solid or not, lies on a face of something opaque: they are in one place, though rounding may tell them apart.
+  bool onOpaque = false;
 
-  bool empty() const { return materials.empty(); }
+  // Whether it matters what walls a ray meets in one place, and in which solids it is.
+  bool matter() const { return onOpaque || !materials.empty(); }
 };
 
 // `scene` is the exact one, or the result of roundScene.
-Solids overlappingSolids(const Scene& scene);
+Solids touchingSolids(const Scene& scene);
 
 }  // namespace turner

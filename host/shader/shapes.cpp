@@ -103,7 +103,7 @@ std::vector<TrianglePair> pairPiece(Scene& scene, size_t begin, size_t end) {
 // No pair reaches over two solids then.
 void giveSolidsMaterials(Shapes& shapes) {
   Scene& scene = shapes.scene;
-  shapes.solids = overlappingSolids(scene);
+  shapes.solids = touchingSolids(scene);
   shapes.firstSolid = uint32_t(scene.materials.size());
   for (const uint32_t material : shapes.solids.materials) scene.materials.push_back(scene.materials[material]);
   for (size_t i = 0; i < shapes.solids.ofSpheres.size(); ++i)
