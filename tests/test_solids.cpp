@@ -197,6 +197,27 @@ TEST(Solids, KnowTheEyes) {
   EXPECT_EQ(around({2.4, 2.4, 2.4}), vector<uint32_t>{0}) << "in a corner of the box";
 }
 
+TEST(Solids, GlassOnSomethingOpaqueIsNoticedWhereRoundingTellsThemApart) {
+  for (const dvec3& lean : {dvec3(0, 0, 0), dvec3(0.3, 0.1, 0)}) {
+    for (const double gap : {0.0, 1e-8, 0.01}) {
+      Scene scene = emptyScene();
+      const dvec3 x(1, lean.x, 0), y(0, 1, 0), z(0, lean.y, 1);
+      addQuad(scene, -4.0 * x - 4.0 * z, 8.0 * z, 8.0 * x, kMatte);
+      addQuad(scene, gap * y, x, z, kGlass);  // the glass is no solid, a sheet only
+      EXPECT_EQ(touchingSolids(scene).onOpaque, gap < 0.01 && (gap > 0 || lean.x > 0)) << lean.x << ' ' << gap;
+      EXPECT_EQ(touchingSolids(scene).matter(), touchingSolids(scene).onOpaque);
+      scene.triangles.erase(scene.triangles.begin(), scene.triangles.begin() + 2);
+      EXPECT_FALSE(touchingSolids(scene).onOpaque);
+    }
+  }
+  const auto balls = [&](double radius) {
+    return touchingSolids(ballsScene({{{1, 2, 3}, 1, kGlass}, {{1, 2, 3}, radius, kMatte}})).onOpaque;
+  };
+  EXPECT_FALSE(balls(1)) << "the same numbers are met at the same distance";
+  EXPECT_TRUE(balls(1 + 1e-8));
+  EXPECT_FALSE(balls(0.9));
+}
+
 TEST(Solids, MillionsAreNoTrouble) {
   Scene scene = emptyScene();
   for (int i = 0; i < 100000; ++i) scene.spheres.push_back({{0, 0, 0}, 1 + i * 1e-5, kGlass});  // one in the other

@@ -425,16 +425,31 @@ std::vector<bool> meetingOthers(const Scene& scene, const std::vector<Solid>& so
   return meets;
 }
 
-// Whether two primitives that meet are in one place and not only across each other: coplanar triangles, or equal spheres.
+// Whether two triangles lie in the same plane of equal x, y or z: the kernel meets both at exactly the same distance.
+bool shareAxialPlane(const Triangle& s, const Triangle& t) {
+  for (int k = 0; k < 3; ++k) {
+    const double plane = s.vertices[0][k];
+    const auto isIn = [&](const dvec3& p) { return p[k] == plane; };
+    if (std::all_of(s.vertices.begin(), s.vertices.end(), isIn) &&
+        std::all_of(t.vertices.begin(), t.vertices.end(), isIn))
+      return true;
+  }
+  return false;
+}
+
+// Whether two primitives that meet are in one place and not only across each other, coplanar triangles or equal spheres,
+// while rounding may tell them apart.
 bool coincide(const Scene& scene, const BoxTree::Item& a, const BoxTree::Item& b) {
   const size_t spheres = scene.spheres.size();
   if ((a.index < spheres) != (b.index < spheres)) return false;
   const double slack = kTouching * std::max(sizeOf(a.box), sizeOf(b.box));
   if (a.index < spheres) {
     const Sphere &s = scene.spheres[a.index], &t = scene.spheres[b.index];
+    if (s.center == t.center && std::abs(s.radius) == std::abs(t.radius)) return false;
     return glm::length(s.center - t.center) <= slack && std::abs(std::abs(s.radius) - std::abs(t.radius)) <= slack;
   }
   const Triangle &s = scene.triangles[a.index - spheres], &t = scene.triangles[b.index - spheres];
+  if (shareAxialPlane(s, t)) return false;
   const auto inPlaneOf = [&](const Triangle& plane, const Triangle& other) {
     const auto& v = plane.vertices;
     const dvec3 normal = glm::cross(v[1] - v[0], v[2] - v[0]);

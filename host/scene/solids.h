@@ -24,7 +24,7 @@ struct Solids {
   std::vector<uint32_t> ofSpheres, ofTriangles;
   // Those that the camera's eye is in, ascending.
   std::vector<uint32_t> aroundEye;
-  // Glass, a solid or not, lies on a face of something opaque: they are in one place, though rounding may tell them apart.
+  // Glass, a solid or not, lies on a face of something opaque: both are in one place, but by their rounding.
   bool onOpaque = false;
 
   // Whether it matters what walls a ray meets in one place, and in which solids it is.

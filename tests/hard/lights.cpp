@@ -565,6 +565,17 @@ Scene cubeOnFloor(double gap, bool floorFirst) {
   return scene;
 }
 
+// All of it turned: what lies in one plane does so but for rounding.
+Scene turned(Scene scene) {
+  const dvec3 x = glm::normalize(dvec3(0.8, 0.3, -0.5)), y = glm::normalize(glm::cross(dvec3(0.1, 0.2, 1), x));
+  const dvec3 z = glm::cross(x, y);
+  for (dvec3* point : {&scene.camera.eye, &scene.camera.target, &scene.camera.up, &scene.lights[0].position})
+    *point = point->x * x + point->y * y + point->z * z;
+  for (Triangle& triangle : scene.triangles)
+    for (dvec3& v : triangle.vertices) v = v.x * x + v.y * y + v.z * z;
+  return scene;
+}
+
 Image renderWithMedianTree(const Scene& scene, int size) {
   const RenderSettings settings = test::settingsOf(scene, size, size);
   const Shapes shapes = shapesOf(roundScene(scene));
@@ -631,6 +642,8 @@ void coincidentSurfaces(const Bench& bench, Report& report) {
                      boxAtWall(-1e-6, first), size, report);
     reportCoincident(fmt::format("glass cube on a floor, {} first", first ? "floor" : "cube"), cubeOnFloor(0, first),
                      cubeOnFloor(-1e-6, first), size, report);
+    reportCoincident(fmt::format("glass cube on a tilted floor, {} first", first ? "floor" : "cube"),
+                     turned(cubeOnFloor(0, first)), turned(cubeOnFloor(-1e-6, first)), size, report);
   }
 }
 
