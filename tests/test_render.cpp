@@ -111,7 +111,7 @@ TEST_P(AllScenes, DoNotDependOnListsOrFetching) {
 
 INSTANTIATE_TEST_SUITE_P(Render, AllScenes,
                          testing::Values("spheres", "shadows", "mirrors", "glass", "blinn_phong", "triangles",
-                                         "cliff_hanger", "deep_glass", "planet", "spot"),
+                                         "cliff_hanger", "deep_glass", "nested_glass", "planet", "spot"),
                          [](const auto& test) { return test.param; });
 
 // Of two coincident primitives the one that stands first in the scene is seen, wherever the tree puts them.
@@ -226,7 +226,7 @@ TEST_P(OurScenes, AgreeWithTheReference) {
 
 INSTANTIATE_TEST_SUITE_P(Render, OurScenes,
                          testing::Values("spheres", "diffuse", "shadows", "mirrors", "glass", "blinn_phong",
-                                         "triangles", "cliff_hanger", "planet", "spot"),
+                                         "triangles", "cliff_hanger", "nested_glass", "planet", "spot"),
                          [](const auto& test) { return test.param; });
 
 // Twenty touching glass spheres, sixteen levels deep: at most 2^16 rays for a pixel, and nothing is cut.
