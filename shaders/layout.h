@@ -130,12 +130,12 @@ struct Node {
                // behind the first leaf
 };
 
-// Shapes stand in the order of the leaves. Of primitives that a ray meets in one place, that of the lowest precedence is
-// hit: opaque ones come first, in the order of their ids, then glass.
+// Shapes stand in the order of the leaves. Of primitives that a ray meets in one place, that of the lowest precedence
+// is hit: opaque ones come first, in the order of their ids, then glass.
 struct Sphere {
   Row center;  // w: radius (float); negative: the surface faces inward
-  // x: precedence, y: material (integers in a row's float places, by their bits). Where the eye is near the surface (kNearEye
-  // in y) z: row of its NearSphere among the materials, w (float): the eye's power |center|^2 - radius^2.
+  // x: precedence, y: material (integers in a row's float places, by their bits). Where the eye is near the surface
+  // (kNearEye in y) z: row of its NearSphere among the materials, w (float): the eye's power |center|^2 - radius^2.
   Row tags;
 };
 TURNER_CONST kNearEye = 0x80000000u;
@@ -162,9 +162,9 @@ struct VertexNormals {
 struct Material {
   Row diffuse;   // k_d; w: r (float)
   Row specular;  // k_s; w: t (float)
-  // shininess n, eta, w_local (floats); w: 0, or of a solid that overlaps or touches another: a number that it shares with
-  // others of the same glass. Every such solid has a material of its own, which stands behind those of all others over
-  // which it has priority; its place is the solid's number (solids.glsl).
+  // shininess n, eta, w_local (floats); w: 0, or of a solid that overlaps or touches another: a number that it shares
+  // with others of the same glass. Every such solid has a material of its own, which stands behind those of all others
+  // over which it has priority; its place is the solid's number (solids.glsl).
   Row other;
 };
 TURNER_CONST kMaxSolids = 8u;         // that a ray can be in at once
@@ -201,7 +201,7 @@ struct Status {
   uint unfinished;      // invocations that have work left
   uint limiter;         // invocations whose canary loop was cut: a driver's loop limiter fired
   uint samplesWaiting;  // samples that they have not yet finished
-  uint solidsLost;      // invocations with a ray that was in more than kMaxSolids solids, or passed too many hidden walls
+  uint solidsLost;  // invocations with a ray that was in more than kMaxSolids solids, or passed too many hidden walls
 };
 
 // --- rows of an invocation's state ----------------------------------------------------------------------------------
@@ -218,8 +218,8 @@ TURNER_CONST kStateNodes = 8u;       // nodes visited by each kind of ray
 TURNER_CONST kStatePrimitives = 9u;  // primitives tested by each kind of ray
 TURNER_CONST kStateNodeStack = 10u;  // kMaxTreeDepth references, four in a row
 TURNER_CONST kStateSolids = 22u;     // that the ray in hand is in
-TURNER_CONST kStatePlace = 23u;  // x: what else the walk has met in the place of its best hit, y: in that of the ray's hit,
-                                 // z: hidden walls that the ray has passed, w: how far that place reaches (float)
+TURNER_CONST kStatePlace = 23u;  // x: what else the walk has met in the place of its best hit, y: in that of the ray's
+                                 // hit, z: hidden walls that the ray has passed, w: how far that place reaches (float)
 // Rows for each level from 2 on: origin, leaving; direction, weight; where there are solids: those that the ray is in.
 TURNER_CONST kStateRayStack = 24u;
 TURNER_CONST kMaxHiddenWalls = 65536u;  // that a ray may pass before its next hit

@@ -195,8 +195,8 @@ std::vector<BenchScene> defaultScenes(size_t maxTriangles) {
   std::vector<std::filesystem::path> own;
   for (const auto& entry : std::filesystem::directory_iterator(TURNER_SCENES_DIR)) {
     const std::filesystem::path& path = entry.path();
-    // The peer computes in float32 as it comes, and knows no solids: over the planet and in nested glass it sees something
-    // else.
+    // The peer computes in float32 as it comes, and knows no solids: over the planet and in nested glass it sees
+    // something else.
     if (path.extension() == ".json" && path.filename() != "scene.schema.json" && path.stem() != "planet" &&
         path.stem() != "nested_glass")
       own.push_back(path);

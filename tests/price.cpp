@@ -304,7 +304,19 @@ std::vector<PricedScene> extremeScenes() {
   addBalls(far, {0, 0, 0});
   far.camera = {.eye = {0, 1000, 4900}, .target = {0, 0, 0}, .fov = 0.14};
   far.lights = {{.position = {-6, 12, 8}}};
-  return {{"ground sphere", ground}, {"far balls", far}};
+
+  Scene nested;
+  nested.background = {0.4, 0.5, 0.65};
+  nested.materials = {{.name = "glass", .reflect = 0.1, .transmit = 0.9, .localWeight = 0},
+                      {.name = "water", .reflect = 0.05, .transmit = 0.95, .ior = 1.333, .localWeight = 0},
+                      {.name = "ground", .diffuse = {0.5, 0.5, 0.4}}};
+  for (int i = 0; i < 5; ++i)
+    for (const double radius : {1.0, 0.8})
+      nested.spheres.push_back({glm::dvec3(2.2 * (i - 2), 1, i % 2 ? -2.0 : 0.0), radius, radius < 1 ? 1u : 0u});
+  nested.spheres.push_back({{0, -100, 0}, 100, 2});
+  nested.camera = {.eye = {0, 3, 11}, .target = {0, 1, 0}, .fov = 50};
+  nested.lights = {{.position = {-6, 12, 8}}};
+  return {{"ground sphere", ground}, {"far balls", far}, {"glass in glass", nested}};
 }
 
 std::string price(const std::vector<PricedScene>& scenes, const PriceSettings& settings) {

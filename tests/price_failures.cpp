@@ -317,8 +317,8 @@ std::vector<Failures> wrongInNestedGlass(const Trial& trial) {
     for (size_t i = 0; i < count; ++i) {
       const dvec3 d = glm::normalize(dvec3(first[i].direction)), T = glm::normalize(dvec3(rays[i].direction));
       const double b = glm::length(glm::cross(middle, d));
-      const double turn = 2 * (std::asin(b) - std::asin(b / glass) + std::asin(b / (glass * inner)) -
-                               std::asin(b / (water * inner)));
+      const double turn =
+          2 * (std::asin(b) - std::asin(b / glass) + std::asin(b / (glass * inner)) - std::asin(b / (water * inner)));
       const double turned = std::atan2(glm::length(glm::cross(d, T)), glm::dot(d, T));
       wrong += !(std::abs(turned - std::abs(turn)) <= 1e-5);
     }

@@ -178,8 +178,8 @@ struct PackedCensus {
 
   // The triangle is the scene's, its corners in cyclic order, each with its normal.
   template <class ExpectInside>
-  void expectTriangle(gpu::uint precedence, const std::array<gpu::Row, 3>& rows, const gpu::Row& plane, gpu::uint material,
-                      gpu::uint normals, const ExpectInside& expectInside) {
+  void expectTriangle(gpu::uint precedence, const std::array<gpu::Row, 3>& rows, const gpu::Row& plane,
+                      gpu::uint material, gpu::uint normals, const ExpectInside& expectInside) {
     const gpu::uint id = ids.at(precedence);
     ++seen.at(id);
     const Triangle& triangle = local.triangles.at(id - local.spheres.size());

@@ -76,8 +76,8 @@ TEST(Solids, OfEqualOnesTheLater) {
 }
 
 TEST(Solids, MaterialsOfEqualValuesAreTheSameGlass) {
-  const Solids solids = touchingSolids(
-      ballsScene({{{0, 0, 0}, 3, kGlass}, {{0, 0, 0}, 2, kWater}, {{0, 0, 0}, 1, kOtherGlass}}));
+  const Solids solids =
+      touchingSolids(ballsScene({{{0, 0, 0}, 3, kGlass}, {{0, 0, 0}, 2, kWater}, {{0, 0, 0}, 1, kOtherGlass}}));
   ASSERT_EQ(solids.materials, (vector<uint32_t>{kGlass, kWater, kOtherGlass}));
   EXPECT_EQ(solids.glasses[0], solids.glasses[2]);
   EXPECT_NE(solids.glasses[0], solids.glasses[1]);
@@ -92,10 +92,10 @@ TEST(Solids, OnlyThoseThatMeetAnother) {
 TEST(Solids, HollowsBelongToTheSmallestAroundThem) {
   // A ball in a hollow of another, and both in a third one.
   const Solids solids = touchingSolids(ballsScene({{{0, 0, 0}, 4, kGlass},
-                                                      {{0, 0, 0}, 3, kWater},
-                                                      {{0, 0, 0}, -2, kWater},
-                                                      {{0, 0, 0}, 1, kGlass},
-                                                      {{7, 0, 0}, -1, kWater}}));
+                                                   {{0, 0, 0}, 3, kWater},
+                                                   {{0, 0, 0}, -2, kWater},
+                                                   {{0, 0, 0}, 1, kGlass},
+                                                   {{7, 0, 0}, -1, kWater}}));
   EXPECT_EQ(solids.ofSpheres, (vector<uint32_t>{0, 1, 1, 2, kNoSolid}));
 }
 

@@ -304,7 +304,8 @@ class World {
   const Solids solids;
 
  private:
-  // Walls are in one place if they are no farther apart than float32 can just tell, seen from the eye: this along the ray.
+  // Walls are in one place if they are no farther apart than float32 can just tell, seen from the eye: this along the
+  // ray.
   double apartAlong(const Ray& ray, double t, uint32_t id) const {
     const dvec3 x = ray.origin + t * ray.direction;
     const dvec3 normal = id < scene.spheres.size() ? (x - scene.spheres[id].center) / scene.spheres[id].radius
@@ -316,8 +317,8 @@ class World {
   // Of primitives in one place: what is opaque, then glass, of solids that overlap the one with priority; then by ids.
   bool comesFirst(uint32_t a, uint32_t b) const {
     const auto kind = [&](uint32_t id) {
-      const uint32_t material = id < scene.spheres.size() ? scene.spheres[id].material
-                                                          : scene.triangles[id - scene.spheres.size()].material;
+      const uint32_t material =
+          id < scene.spheres.size() ? scene.spheres[id].material : scene.triangles[id - scene.spheres.size()].material;
       if (scene.materials[material].transmit <= 0) return int64_t(-2);
       const uint32_t solid = solidOf(id);
       return solid == kNoSolid ? int64_t(-1) : int64_t(kNoSolid) - solid;

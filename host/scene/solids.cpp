@@ -140,8 +140,7 @@ void measure(const Scene& scene, Surface& surface) {
   const dvec3 origin = scene.triangles[surface.triangles[0]].vertices[0];
   for (const uint32_t i : surface.triangles) {
     const auto& [a, b, c] = scene.triangles[i].vertices;
-    surface.volume +=
-        facing(scene, scene.triangles[i]) * glm::dot(a - origin, glm::cross(b - origin, c - origin)) / 6;
+    surface.volume += facing(scene, scene.triangles[i]) * glm::dot(a - origin, glm::cross(b - origin, c - origin)) / 6;
     surface.box.include(boundsOf(scene, scene.triangles[i]));
   }
 }
@@ -242,7 +241,8 @@ class BoxTree {
     if (!items_.empty()) build(0, uint32_t(items_.size()));
   }
 
-  // Visits the items whose boxes meet this one and whose owner is another (kNoSolid: whoever), until `visit` returns true.
+  // Visits the items whose boxes meet this one and whose owner is another (kNoSolid: whoever), until `visit` returns
+  // true.
   template <class Visit>
   bool findMeeting(const Bounds& box, uint32_t owner, Visit&& visit) const {
     return !nodes_.empty() && find(0, box, owner, visit);
@@ -253,7 +253,7 @@ class BoxTree {
   struct Node {
     Bounds box;
     uint32_t first, count;
-    uint32_t second = 0;       // its second child; its first one stands next to it; 0: a leaf
+    uint32_t second = 0;        // its second child; its first one stands next to it; 0: a leaf
     uint32_t owner = kSeveral;  // of all its items
   };
 
@@ -342,8 +342,8 @@ double distanceTo(const Triangle& triangle, const dvec3& p) {
   return inside ? std::abs(glm::dot(p - v[0], normal)) / std::sqrt(squared) : nearest;
 }
 
-// Whether two triangles meet: no axis separates them (Gottschalk, Lin and Manocha, OBBTree, SIGGRAPH 1996, section 5, for
-// triangles: their normals, products of edges, and where they are coplanar the edges' normals in the plane).
+// Whether two triangles meet: no axis separates them (Gottschalk, Lin and Manocha, OBBTree, SIGGRAPH 1996, section 5,
+// for triangles: their normals, products of edges, and where they are coplanar the edges' normals in the plane).
 bool meet(const Scene& scene, const Triangle& s, const Triangle& t) {
   const auto &a = s.vertices, &b = t.vertices;
   const double slack = kTouching * std::max(sizeOf(boundsOf(scene, s)), sizeOf(boundsOf(scene, t)));
@@ -437,8 +437,8 @@ bool shareAxialPlane(const Triangle& s, const Triangle& t) {
   return false;
 }
 
-// Whether two primitives that meet are in one place and not only across each other, coplanar triangles or equal spheres,
-// while rounding may tell them apart.
+// Whether two primitives that meet are in one place and not only across each other, coplanar triangles or equal
+// spheres, while rounding may tell them apart.
 bool coincide(const Scene& scene, const BoxTree::Item& a, const BoxTree::Item& b) {
   const size_t spheres = scene.spheres.size();
   if ((a.index < spheres) != (b.index < spheres)) return false;
@@ -454,9 +454,8 @@ bool coincide(const Scene& scene, const BoxTree::Item& a, const BoxTree::Item& b
     const auto& v = plane.vertices;
     const dvec3 normal = glm::cross(v[1] - v[0], v[2] - v[0]);
     const double most = slack * glm::length(normal);
-    return most > 0 && std::all_of(other.vertices.begin(), other.vertices.end(), [&](const dvec3& p) {
-      return std::abs(glm::dot(p - v[0], normal)) <= most;
-    });
+    return most > 0 && std::all_of(other.vertices.begin(), other.vertices.end(),
+                                   [&](const dvec3& p) { return std::abs(glm::dot(p - v[0], normal)) <= most; });
   };
   return (inPlaneOf(s, t) || inPlaneOf(t, s)) && meet(scene, s, t);
 }
@@ -515,7 +514,7 @@ double windingNumber(const Scene& scene, const Surface& surface, const dvec3& p)
 
 // What a material is but for its name.
 auto valuesOf(const Material& m) {
-  return std::array{m.diffuse.x,  m.diffuse.y, m.diffuse.z, m.specular.x, m.specular.y, m.specular.z,
+  return std::array{m.diffuse.x, m.diffuse.y, m.diffuse.z, m.specular.x, m.specular.y, m.specular.z,
                     m.shininess, m.reflect,   m.transmit,  m.ior,        m.localWeight};
 }
 

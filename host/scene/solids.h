@@ -15,8 +15,8 @@ namespace turner {
 inline constexpr uint32_t kNoSolid = UINT32_MAX;
 
 struct Solids {
-  // The material of each solid whose bounds or walls meet those of another, in order of priority: where two overlap, the
-  // later one is seen. It is the smaller one by volume; of equal ones that with the later primitives.
+  // The material of each solid whose bounds or walls meet those of another, in order of priority: where two overlap,
+  // the later one is seen. It is the smaller one by volume; of equal ones that with the later primitives.
   std::vector<uint32_t> materials;
   // Of each solid a number that it shares with those of the same glass, whose materials are equal but for their names.
   std::vector<uint32_t> glasses;

@@ -53,8 +53,9 @@ struct PackedScene {
 // Mixed lists are for a kernel that can visit nodes in every walk, whether the scene needs it or not.
 enum class Cubes { lists, mixedLists, wholeTree };
 
-// The place of each sphere and then of each triangle in the order in which they are hit where a ray meets several at one
-// distance: what is opaque, then glass that is no overlapping solid, then those of highest priority first; each by ids.
+// The place of each sphere and then of each triangle in the order in which they are hit where a ray meets several at
+// one distance: what is opaque, then glass that is no overlapping solid, then those of highest priority first; each by
+// ids.
 std::vector<gpu::uint> precedences(const Shapes& shapes);
 
 // `bvh` is built over the geometry's boxes. The settings tell how many rays will come through the

@@ -223,7 +223,8 @@ int ShaderRenderer::Parts::tileSide(const Dispatching& dispatching, int depth) c
   int side = dispatching.tile > 0 ? (dispatching.tile + 7) / 8 * 8 : device.isCpu() ? 128 : 512;
   const vk::DeviceSize most = std::min<vk::DeviceSize>(kStateBytes, device.limits().maxStorageBufferRange);
   while (side > 8 &&
-         vk::DeviceSize(side) * vk::DeviceSize(side) * gpu::stateRows(uint(depth), features.solids) * sizeof(gpu::Row) > most)
+         vk::DeviceSize(side) * vk::DeviceSize(side) * gpu::stateRows(uint(depth), features.solids) * sizeof(gpu::Row) >
+             most)
     side = std::max(8, side / 2 / 8 * 8);
   return side;
 }
@@ -374,9 +375,10 @@ void ShaderRenderer::Parts::Passes::traceTile(gpu::Tile tile, const Progress& pr
             "the driver of " + device.info().name +
             " ended the kernel's loops early (a loop limiter); the picture would be wrong and is not written");
       if (last.solidsLost > 0)
-        throw RunError("a ray was in more than " + std::to_string(gpu::kMaxSolids) +
-                       " solids of glass at once, or passed more than " + std::to_string(gpu::kMaxHiddenWalls) +
-                       " walls hidden in others; the picture would be wrong and is not written; use --backend reference");
+        throw RunError(
+            "a ray was in more than " + std::to_string(gpu::kMaxSolids) +
+            " solids of glass at once, or passed more than " + std::to_string(gpu::kMaxHiddenWalls) +
+            " walls hidden in others; the picture would be wrong and is not written; use --backend reference");
       // What of this pass is still to be dispatched waits as before.
       const double toCome = 1 - double(tile.firstGroup + tile.groups) / double(allGroups);
       const double waiting = std::min(waitingBefore, toCome * waitingBefore + double(last.samplesWaiting));

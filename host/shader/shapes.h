@@ -23,11 +23,11 @@ struct TrianglePair {
 
 struct Shapes {
   // From roundScene. The vertices of the triangles of a pair, and their normals, are turned so that the shared edge
-  // lies between the second and the third vertex of both, in opposite directions. Behind the materials stands one for each
-  // of `solids`, which its primitives have instead of the scene's.
+  // lies between the second and the third vertex of both, in opposite directions. Behind the materials stands one for
+  // each of `solids`, which its primitives have instead of the scene's.
   Scene scene;
-  Solids solids;           // that overlap or touch
-  uint32_t firstSolid = 0;  // material of the first
+  Solids solids;                    // that overlap or touch
+  uint32_t firstSolid = 0;          // material of the first
   std::vector<TrianglePair> pairs;  // every triangle is in one; in the order of their first ones
   // Of each sphere, then of each pair; padded outward, so that a ray which hits a primitive by the kernel's arithmetic
   // enters its box by the kernel's arithmetic.

@@ -51,8 +51,8 @@ inline void addParallelepiped(Scene& scene, const dvec3& corner, const dvec3& x,
 struct Journey {
   TestRay ray;
   int transmitted = 0, reflected = 0;  // hidden walls do not count
-  bool ended = false;  // nothing lies ahead
-  Found last{};        // where it was last transmitted or reflected
+  bool ended = false;                  // nothing lies ahead
+  Found last{};                        // where it was last transmitted or reflected
 };
 
 inline std::vector<Journey> journeysOf(const std::vector<TestRay>& rays) {

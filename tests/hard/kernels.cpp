@@ -252,8 +252,7 @@ void Kernels::setScene(const Scene& world, const BuildTree& build) {
 
   const Features &a = parts.features, &b = parts.stepFeatures;
   if (!parts.step || a.spheres != b.spheres || a.triangles != b.triangles || a.smoothNormals != b.smoothNormals ||
-      a.nearSpheres != b.nearSpheres || a.farSpheres != b.farSpheres ||
-      a.solids != b.solids) {
+      a.nearSpheres != b.nearSpheres || a.farSpheres != b.farSpheres || a.solids != b.solids) {
     parts.step = makeKernel(parts.device, parts.fetch, parts.kernels + "step.comp", parts.features);
     parts.stepFeatures = parts.features;
   }

@@ -24,7 +24,7 @@ inline constexpr uint32_t kNothing = UINT32_MAX;
 struct TestRay {
   glm::vec3 origin{0};
   glm::vec3 direction{0, 0, 1};
-  uint32_t leaving = kNothing;         // what Found::leaving says; kNothing: it starts in the open
+  uint32_t leaving = kNothing;          // what Found::leaving says; kNothing: it starts in the open
   std::array<uint32_t, 4> solids = {};  // that it is in, as the kernel has them
 };
 

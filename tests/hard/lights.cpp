@@ -628,9 +628,8 @@ void reportCoincident(const std::string& what, const Scene& touching, const Scen
   report.atMost(what + ": values that change with tiles, work-groups or tree",
                 double(countDifferences(touching, size, image)), 0);
   const double difference = largestDifference(image, render(overlapping, size), edges);
-  report.atMost(
-      what + ": largest difference to an overlap of 1e-6", difference, 1e-5, {},
-      fmt::format("off edges, {} of {} pixels", std::count(edges.begin(), edges.end(), false), edges.size()));
+  report.atMost(what + ": largest difference to an overlap of 1e-6", difference, 1e-5, {},
+                fmt::format("off edges, {} of {} pixels", std::count(edges.begin(), edges.end(), false), edges.size()));
   report.atMost(what + ": largest difference to the reference",
                 largestDifference(image, renderReference(roundScene(touching), settings).image, edges), 1e-5);
 }

@@ -436,8 +436,8 @@ void viewerInside(const Bench& bench, Report& report) {
 }  // namespace
 
 std::vector<Case> refractionCases() {
-  return {{10, "Glass sphere", glassSphere},   {29, "Critical angle", criticalAngle}, {30, "Slab", slabs},
-          {31, "Index 1", indexOne},           {32, "Trapped light", trappedLight},   {33, "Bubble", bubble},
+  return {{10, "Glass sphere", glassSphere},  {29, "Critical angle", criticalAngle}, {30, "Slab", slabs},
+          {31, "Index 1", indexOne},          {32, "Trapped light", trappedLight},   {33, "Bubble", bubble},
           {34, "Viewer inside", viewerInside}};
 }
 

@@ -72,11 +72,10 @@ void reportConcentric(const Bench& bench, Random& random, const std::string& wha
       const std::vector<Journey> journeys = followed(bench.kernels, rays, walls + 1, tracer);
       for (size_t i = 0; i < count; ++i) {
         const Journey& journey = journeys[i];
-        otherPath.of(tracer) +=
-            !journey.ended || journey.transmitted != 2 * int(seen.size()) || journey.reflected > 0;
+        otherPath.of(tracer) += !journey.ended || journey.transmitted != 2 * int(seen.size()) || journey.reflected > 0;
         const double b = impact(rays[i], {.center = center, .radius = 1});
-        error.of(tracer).add(angleBetween(dvec3(journey.ray.direction),
-                                          directionBehind(rays[i], center, deviationThrough(seen, b))));
+        error.of(tracer).add(
+            angleBetween(dvec3(journey.ray.direction), directionBehind(rays[i], center, deviationThrough(seen, b))));
       }
     }
   });
@@ -90,7 +89,8 @@ void reportConcentricBalls(const Bench& bench, Random& random, Report& report) {
   const Shell glass{1, kIor}, water{inner, kWater}, waterOutside{1, kWater};
   reportConcentric(bench, random, "water in glass", {glass, water}, {glass, water}, 0.8, report);
   reportConcentric(bench, random, "the same, water first in the file", {water, glass}, {glass, water}, 0.8, report);
-  reportConcentric(bench, random, "a bubble of index 1 in glass", {glass, {inner, 1}}, {glass, {inner, 1}}, 0.8, report);
+  reportConcentric(bench, random, "a bubble of index 1 in glass", {glass, {inner, 1}}, {glass, {inner, 1}}, 0.8,
+                   report);
   const std::vector<Shell> shells = {{1, 1.5},      {0.875, 1.25}, {0.75, 1.75}, {0.625, 1},
                                      {0.5, 1.3125}, {0.4375, 1.5}, {0.375, 1.0}, {0.3125, 2}};
   reportConcentric(bench, random, "eight shells", shells, shells, 0.2, report);
@@ -144,7 +144,8 @@ void reportOverlap(const Bench& bench, Random& random, const std::string& what, 
       // only aims it: the truth starts from its float32.
       const bool toSmall = i % 2 == 0;
       const double away = lens * std::sqrt(uniform(random, 0, 1)), turn = uniform(random, 0, 2 * std::numbers::pi);
-      const dvec3 point = large.center + dvec3(large.radius - 0.5 * depth, away * std::cos(turn), away * std::sin(turn));
+      const dvec3 point =
+          large.center + dvec3(large.radius - 0.5 * depth, away * std::cos(turn), away * std::sin(turn));
       const dvec3 across = anywhereAcross({1, 0, 0}, random);
       const double slope = uniform(random, 0, 0.2);
       const dvec3 d = glm::normalize(dvec3(toSmall ? 1 : -1, 0, 0) + slope * across);
@@ -187,8 +188,8 @@ void reportOverlap(const Bench& bench, Random& random, const std::string& what, 
 // ---- Blocks that share a face ----
 
 // Two blocks, tilted, one of which has a larger face where they touch: in float32 the faces are in one plane but for
-// rounding. Light goes from one to the other as if there were nothing between them but the change of index. The eye is in
-// the block that it comes from, so that its solids are the rays'.
+// rounding. Light goes from one to the other as if there were nothing between them but the change of index. The eye is
+// in the block that it comes from, so that its solids are the rays'.
 void reportTouching(const Bench& bench, Random& random, double ior, double otherIor, Report& report) {
   Both<Worst> error;
   Both<size_t> otherPath;
@@ -252,8 +253,8 @@ void reportEyeInside(const Bench& bench, Random& random, Report& report) {
         // As much as on the way out of the whole.
         const double sine = impact(rays[i], {.center = center, .radius = 1});
         const double b = kWater * sine;
-        const double deviation = std::asin(b / (kIor * 0.5)) - std::asin(b / (kWater * 0.5)) + std::asin(b) -
-                                 std::asin(b / kIor);
+        const double deviation =
+            std::asin(b / (kIor * 0.5)) - std::asin(b / (kWater * 0.5)) + std::asin(b) - std::asin(b / kIor);
         otherPath.of(tracer) += !journeys[i].ended || journeys[i].transmitted != 2 || journeys[i].reflected > 0;
         error.of(tracer).add(
             angleBetween(dvec3(journeys[i].ray.direction), directionBehind(rays[i], center, deviation)));
@@ -267,8 +268,8 @@ void reportEyeInside(const Bench& bench, Random& random, Report& report) {
 
 // ---- Pictures ----
 
-// Glass and water of one radius are to look like water that reaches 1e-6 beyond the glass on no side, which is like water
-// alone.
+// Glass and water of one radius are to look like water that reaches 1e-6 beyond the glass on no side, which is like
+// water alone.
 void reportCoincidentPicture(const Bench& bench, Report& report) {
   const int size = bench.effort.full ? 512 : 96;
   const auto picture = [&](const std::vector<Shell>& balls) {
