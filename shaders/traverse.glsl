@@ -25,6 +25,9 @@ Walk walkAlongList(const uvec3 list, const float tMax) {
 
 uint unitsOf(const bool isPair) { return isPair ? kPairUnits : kSphereUnits; }
 
+// How far away a hit may be that still matters.
+float reachOf(const Walk walk) { return SOLIDS ? walk.tMax + walk.apart : walk.tMax; }
+
 bool isOver(const Walk walk) { return walk.next == kRefNone; }
 
 // The walk's next reference from its stack, if there is one.
@@ -69,10 +72,11 @@ void visitNode(const Ray ray, const RayFactors factors, inout Walk walk) {
   // t of a plane is (origin + byte * scale - ray.origin) / direction.
   vec3 scale = uintBitsToFloat((uvec3(origin.w) << uvec3(23u, 15u, 7u)) & 0x7f800000u) * factors.inverse;
   vec3 start = (xyz(origin) - ray.origin) * factors.inverse;
+  float tMax = reachOf(walk);
   float enter0 = enterBox(planesAt(planes.xyz, factors.nearShift) * scale + start,
-                          planesAt(planes.xyz, 8u - factors.nearShift) * scale + start, walk.tMax);
+                          planesAt(planes.xyz, 8u - factors.nearShift) * scale + start, tMax);
   float enter1 = enterBox(planesAt(planes.xyz, factors.nearShift + 16u) * scale + start,
-                          planesAt(planes.xyz, 24u - factors.nearShift) * scale + start, walk.tMax);
+                          planesAt(planes.xyz, 24u - factors.nearShift) * scale + start, tMax);
 
   // The references of both children, see Node in layout.h.
   uint below = walk.next + 1u, tags = origin.w >> 24u;
@@ -195,7 +199,7 @@ void walkTree(const Ray ray, const RayFactors factors, const bool anyHit, const 
   do {
     budget -= 3;  // this turn, and those of the loops inside that no lane takes
     if (walk.next == kRefNext) popNode(walk);
-    if (walk.next == kRefNext) takeEntry(walk, walk.tMax * reach);
+    if (walk.next == kRefNext) takeEntry(walk, reachOf(walk) * reach);
     if ((walk.next & kRefLeaf) == 0u && budget > 0) {
       do {
         --budget;
@@ -224,7 +228,7 @@ void walkShapes(const Ray ray, const RayFactors factors, const bool arePairs, co
     --budget;
     uvec2 entry = listEntry(walk.list.x);
     bool again = arePairs && walk.next != kRefNext;
-    bool within = again || uintBitsToFloat(entry.y) <= walk.tMax * reach;
+    bool within = again || uintBitsToFloat(entry.y) <= reachOf(walk) * reach;
     uint shape = again ? walk.next : entry.x & kRefPrimitive;
     if (!again) walk.list.x = within ? walk.list.x + 1u : end;
     walk.next = kRefNext;

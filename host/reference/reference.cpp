@@ -311,7 +311,7 @@ class World {
     const dvec3 normal = id < scene.spheres.size() ? (x - scene.spheres[id].center) / scene.spheres[id].radius
                                                    : faceNormals[id - scene.spheres.size()];
     const double cosine = std::abs(glm::dot(normal, ray.direction));
-    return 0x1p-21 * glm::length(x - scene.camera.eye) / std::max(cosine, 0x1p-10);
+    return 0x1p-22 * glm::length(x - scene.camera.eye) / std::max(cosine, 0x1p-10);
   }
 
   // Of primitives in one place: what is opaque, then glass, of solids that overlap the one with priority; then by ids.

@@ -442,12 +442,16 @@ bool shareAxialPlane(const Triangle& s, const Triangle& t) {
 bool coincide(const Scene& scene, const BoxTree::Item& a, const BoxTree::Item& b) {
   const size_t spheres = scene.spheres.size();
   if ((a.index < spheres) != (b.index < spheres)) return false;
-  const double slack = kTouching * std::max(sizeOf(a.box), sizeOf(b.box));
+  // Both are rounded: a rounding each, and half as much again as planes are tilted.
+  constexpr double kRounded = 1.5 * 0x1p-23;
   if (a.index < spheres) {
     const Sphere &s = scene.spheres[a.index], &t = scene.spheres[b.index];
-    if (s.center == t.center && std::abs(s.radius) == std::abs(t.radius)) return false;
-    return glm::length(s.center - t.center) <= slack && std::abs(std::abs(s.radius) - std::abs(t.radius)) <= slack;
+    const double sRadius = std::abs(s.radius), tRadius = std::abs(t.radius);
+    if (s.center == t.center && sRadius == tRadius) return false;
+    return glm::length(s.center - t.center) <= kRounded * glm::length(s.center - scene.camera.eye) &&
+           std::abs(sRadius - tRadius) <= kRounded * sRadius;
   }
+  const double slack = kRounded * std::max(sizeOf(a.box), sizeOf(b.box));
   const Triangle &s = scene.triangles[a.index - spheres], &t = scene.triangles[b.index - spheres];
   if (shareAxialPlane(s, t)) return false;
   const auto inPlaneOf = [&](const Triangle& plane, const Triangle& other) {

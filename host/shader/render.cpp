@@ -101,7 +101,7 @@ Pipeline makePipeline(const Device& device, const Spirv& kernel, const Features&
   constants[gpu::kSpecFresh] = fresh;
   constants[gpu::kSpecNearSpheres] = features.nearSpheres;
   constants[gpu::kSpecFarSpheres] = features.farSpheres;
-  constants[gpu::kSpecSolids] = features.solids && settings.depth > 1;
+  constants[gpu::kSpecSolids] = features.solids;
   std::array<vk::SpecializationMapEntry, constants.size()> entries;
   for (uint i = 0; i < entries.size(); ++i)
     entries[i] = vk::SpecializationMapEntry(i, uint(i * sizeof(uint)), sizeof(uint));

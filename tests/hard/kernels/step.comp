@@ -81,7 +81,8 @@ void main() {
       leaving = leaveSurface(surface, walk.hit, T, false);
     }
   }
-  uint flags = (isOver(walk) && !solidsLost ? 0u : kFoundUnfinished) | (hidden ? kFoundHidden : 0u) | (surface.front ? kFoundFront : 0u) | (leaves ? kFoundLeaves : 0u);
+  uint flags = (isOver(walk) && !solidsLost ? 0u : kFoundUnfinished) | (hidden ? kFoundHidden : 0u) |
+               (surface.front ? kFoundFront : 0u) | (leaves ? kFoundLeaves : 0u);
   uint row = kFoundRows * i;
   found[row + kFoundHit] = Row(floatBitsToUint(walk.tMax), walk.hit, walk.order, flags);
   found[row + kFoundPoint] = packRow(surface.point, floatBitsToUint(surface.margin));
