@@ -56,8 +56,8 @@ TEST(Render, DoesNotDependOnTilesOrWorkGroups) {
 }
 
 TEST(Render, DoesNotDependOnWhereItIsInterrupted) {
-  // spot's rays meet nodes, those of glass have waiting rays.
-  for (const char* name : {"spot", "glass"}) {
+  // spot's rays meet nodes, those of glass have waiting rays, those of nested_glass carry solids.
+  for (const char* name : {"spot", "glass", "nested_glass"}) {
     const Scene scene = ours(name);
     RenderSettings settings = settingsOf(scene, 64, 64);
     settings.crop = {24, 24, 48, 48};
@@ -84,12 +84,14 @@ TEST(Render, CropIsThatPartOfThePicture) {
 }
 
 TEST(Render, DoesNotDependOnTheTree) {
-  const Scene scene = ours("spot");
-  const RenderSettings settings = settingsOf(scene, 80, 60);
-  const Image expected = renderShader(scene, settings);
-  const Shapes shapes = shapesOf(roundScene(scene));
-  test::renderer().upload(packScene(shapes, buildMedianBvh(shapes.boxes, shapes.firstPair()), settings));
-  EXPECT_TRUE(sameBits(test::renderer().render(test::kernel(), settings).image, expected));
+  for (const char* name : {"spot", "nested_glass"}) {
+    const Scene scene = ours(name);
+    const RenderSettings settings = settingsOf(scene, 80, 60);
+    const Image expected = renderShader(scene, settings);
+    const Shapes shapes = shapesOf(roundScene(scene));
+    test::renderer().upload(packScene(shapes, buildMedianBvh(shapes.boxes, shapes.firstPair()), settings));
+    EXPECT_TRUE(sameBits(test::renderer().render(test::kernel(), settings).image, expected)) << name;
+  }
 }
 
 class AllScenes : public testing::TestWithParam<std::string> {};
