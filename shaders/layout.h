@@ -168,7 +168,7 @@ struct Material {
   Row other;
 };
 TURNER_CONST kMaxSolids = 8u;         // that a ray can be in at once
-TURNER_CONST kMaxMaterials = 65536u;  // where solids are numbered
+TURNER_CONST kMaxMaterials = 32768u;  // where solids are numbered
 
 struct Light {
   Row position;  // w: 1 if its fall-off is inverse-square
@@ -218,10 +218,12 @@ TURNER_CONST kStateNodes = 8u;       // nodes visited by each kind of ray
 TURNER_CONST kStatePrimitives = 9u;  // primitives tested by each kind of ray
 TURNER_CONST kStateNodeStack = 10u;  // kMaxTreeDepth references, four in a row
 TURNER_CONST kStateSolids = 22u;     // that the ray in hand is in
-TURNER_CONST kStatePlace = 23u;  // x: what else the walk has met in the place of its best hit, y: in that of the ray's
-                                 // hit, z: hidden walls that the ray has passed, w: how far that place reaches (float)
+TURNER_CONST kStatePlace = 23u;      // walls in the place of the walk's best hit
+TURNER_CONST kStateHitPlace = 24u;   // in that of the ray's hit
+// x: the wall that the walk's best hit is on, y: how far its place reaches (float), z: hidden walls that the ray has passed
+TURNER_CONST kStateWalls = 25u;
 // Rows for each level from 2 on: origin, leaving; direction, weight; where there are solids: those that the ray is in.
-TURNER_CONST kStateRayStack = 24u;
+TURNER_CONST kStateRayStack = 26u;
 TURNER_CONST kMaxHiddenWalls = 65536u;  // that a ray may pass before its next hit
 
 #ifdef __cplusplus

@@ -13,7 +13,7 @@ uint level;         // of it in the ray tree; the eye ray has 1
 uvec2 pending;      // bit l - 1: a ray waits on level l
 float hitT;         // where it hits
 uint hitPrimitive;  // and what
-uint hitOther;      // another wall of glass in the same place, or kRefNone
+uvec4 hitPlace;     // the walls of solids there
 uvec4 solids;       // that the ray is in (solids.glsl)
 uint hiddenWalls;   // that it has passed since its last hit
 uint light;         // the light that the hit's shadow ray goes to
@@ -35,11 +35,11 @@ void beginWork() {
   level = 0u;
   pending = uvec2(0u);
   hitT = 0.0;
-  hitPrimitive = hitOther = kRefNone;
-  solids = uvec4(0u);
+  hitPrimitive = kRefNone;
+  hitPlace = solids = uvec4(0u);
   hiddenWalls = 0u;
   light = 0u;
-  walk = Walk(kRefNone, 0u, 0.0, kRefNone, 0u, kRefNone, 0.0, uvec3(0u));
+  walk = Walk(kRefNone, 0u, 0.0, kRefNone, 0u, uvec3(0u), 0u, 0.0, uvec4(0u));
   raysSpawned = nodesVisited = primitivesVisited = Row(0u);
 }
 
@@ -70,11 +70,12 @@ void takeUpWork(const uint slot) {
   walk.list.xy = row.xy;
   pending = row.zw;
   solids = SOLIDS ? state[stateRow(kStateSolids, slot)] : uvec4(0u);
-  row = SOLIDS ? state[stateRow(kStatePlace, slot)] : Row(kRefNone, kRefNone, 0u, 0u);
-  walk.other = row.x;
-  hitOther = row.y;
+  walk.place = SOLIDS ? state[stateRow(kStatePlace, slot)] : uvec4(0u);
+  hitPlace = SOLIDS ? state[stateRow(kStateHitPlace, slot)] : uvec4(0u);
+  row = SOLIDS ? state[stateRow(kStateWalls, slot)] : Row(0u);
+  walk.wall = row.x;
+  walk.apart = uintBitsToFloat(row.y);
   hiddenWalls = row.z;
-  walk.apart = uintBitsToFloat(row.w);
   raysSpawned = COUNTERS ? state[stateRow(kStateRays, slot)] : Row(0u);
   nodesVisited = COUNTERS ? state[stateRow(kStateNodes, slot)] : Row(0u);
   primitivesVisited = COUNTERS ? state[stateRow(kStatePrimitives, slot)] : Row(0u);
@@ -90,7 +91,9 @@ void putWorkAway(const uint slot) {
   state[stateRow(kStateList, slot)] = Row(walk.list.xy, pending);
   if (SOLIDS) {
     state[stateRow(kStateSolids, slot)] = solids;
-    state[stateRow(kStatePlace, slot)] = Row(walk.other, hitOther, hiddenWalls, floatBitsToUint(walk.apart));
+    state[stateRow(kStatePlace, slot)] = walk.place;
+    state[stateRow(kStateHitPlace, slot)] = hitPlace;
+    state[stateRow(kStateWalls, slot)] = Row(walk.wall, floatBitsToUint(walk.apart), hiddenWalls, 0u);
   }
 }
 

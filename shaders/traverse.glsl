@@ -7,20 +7,22 @@ struct Walk {
   float tMax;  // distance of the best hit so far; before the first, how far the ray reaches
   uint hit;    // the best primitive so far (kind and place), or kRefNone
   uint order;  // its precedence
-  uint other;  // another wall of glass in its place, or kRefNone
-  float apart; // how far from its t that place reaches
   uvec3 list;  // the rest of its list: next entry, end, and where pairs begin if spheres come first
+  // Of the best hit, where solids touch:
+  uint wall;    // the wall of a solid that it is on, or 0 (solids.glsl)
+  float apart;  // how far from its t another wall may be that is in the same place
+  uvec4 place;  // the walls there
 };
 
 // References still to be visited. A path through the tree leaves at most one on each level.
 uint nodeStack[kMaxTreeDepth];
 
 // A ray from anywhere walks the whole tree.
-Walk walkFromRoot() { return Walk(root, 0u, kNoHit, kRefNone, 0u, kRefNone, 0.0, uvec3(0u)); }
+Walk walkFromRoot() { return Walk(root, 0u, kNoHit, kRefNone, 0u, uvec3(0u), 0u, 0.0, uvec4(0u)); }
 
 // A ray through the middle of a cube walks the list of its cell.
 Walk walkAlongList(const uvec3 list, const float tMax) {
-  return Walk(kRefNext, 0u, tMax, kRefNone, 0u, kRefNone, 0.0, list);
+  return Walk(kRefNext, 0u, tMax, kRefNone, 0u, list, 0u, 0.0, uvec4(0u));
 }
 
 uint unitsOf(const bool isPair) { return isPair ? kPairUnits : kSphereUnits; }
@@ -103,19 +105,23 @@ struct Meeting {
   uint order;      // its precedence
   bool both;       // it passes both triangles, and this is the first: the second is still to be met
   uint tested;     // spheres or triangles that this took, for the counters
-  float apart;     // how far from t another wall of glass may be hit that is in one place with it
+  uint wall;       // of a solid: that wall, or 0
+  float apart;     // how far from t another wall may be hit that is in the same place
 };
 
-// Two walls are in one place where a ray that leaves the one by its margin may start behind the other.
-float apartAlong(const float margin, const float cosine) { return 2.0 * margin / max(abs(cosine), 1.0 / 1024.0); }
+// Two walls are in one place where a ray that leaves the one by its margin might start behind the other, with much room
+// for the errors of both distances: what is decided by these is a small part of it.
+float apartAlong(const float margin, const float cosine) { return 16.0 * margin / max(abs(cosine), 1.0 / 1024.0); }
 
 Meeting meetSphere(const Ray ray, const RayFactors factors, const uint primitive) {
   uint row = kUnitRows * primitive;
   Row center = ROW(primitives, row + kSphereCenter), tags = ROW(primitives, row + kSphereTags);
   bool leavesIt = (ray.leaving & ~kLeavesInward) == primitive;
   SphereRows sphere = sphereOf(center, tags);
-  Meeting met = Meeting(hitSphere(ray, factors, sphere, leavesIt), primitive, tags.x, false, 1u, 0.0);
+  Meeting met = Meeting(hitSphere(ray, factors, sphere, leavesIt), primitive, tags.x, false, 1u, 0u, 0.0);
   if (SOLIDS && met.t < kNoHit) {
+    bool outside = !leavesIt && isOutside(sphere, ray.origin);
+    met.wall = wallOf(tags.y & ~kNearEye, outside != (sphere.radius < 0.0));
     vec3 point = ray.origin + met.t * ray.direction;
     met.apart = apartAlong(sphereMargin(sphere, point), dot(normalize(point - sphere.center), ray.direction));
   }
@@ -144,34 +150,40 @@ Meeting meetPair(const Ray ray, const RayFactors factors, const uint pair) {
   float t = planeDistance(ray, xyz(plane), uintBitsToFloat(plane.w), nearest, tNear, tFar);
   if (!(inFirst || inSecond) || !(t > 0.0)) t = kNoHit;
   uint tested = pair != first ? 0u : v3.w != kRefNone ? 2u : 1u;
+  uint wall = 0u;
   float apart = 0.0;
   if (SOLIDS && t < kNoHit) {
+    wall = wallOf(v1.w, dot(xyz(plane), ray.direction) < 0.0);
     float margin = planeMargin(xyz(plane), uintBitsToFloat(plane.w), ray.origin + t * ray.direction);
     apart = apartAlong(margin, dot(xyz(plane), ray.direction));
   }
-  return Meeting(t, isSecond ? second : first, isSecond ? v3.w : v0.w, inFirst && inSecond, tested, apart);
+  return Meeting(t, isSecond ? second : first, isSecond ? v3.w : v0.w, inFirst && inSecond, tested, wall, apart);
 }
 
 // Tests a shape; true if it takes the walk's hit. Among equal distances the lowest precedence wins, so that the picture
 // does not depend on the tree.
 bool visitShape(const Ray ray, const RayFactors factors, const uint shape, const bool isPair, const bool anyHit,
                 const uint kind, inout Walk walk, out bool both) {
-  Meeting met = Meeting(kNoHit, kRefNone, 0u, false, 0u, 0.0);
+  Meeting met = Meeting(kNoHit, kRefNone, 0u, false, 0u, 0u, 0.0);
   if (SPHERES && !isPair) met = meetSphere(ray, factors, shape);
   if (TRIANGLES && isPair) met = meetPair(ray, factors, shape);
   bool taken = met.t < walk.tMax;
   if (!anyHit) {
     bool onePlace = met.t == walk.tMax && walk.hit != kRefNone;
-    if (SOLIDS && met.t < kNoHit && walk.hit != kRefNone)
-      onePlace = abs(met.t - walk.tMax) <= max(met.apart, walk.apart);
+    if (SOLIDS && met.t < kNoHit && walk.hit != kRefNone && (met.wall | walk.wall) != 0u) {
+      // An opaque surface is no more than roundings away from what is in its place.
+      float share = met.wall != 0u && walk.wall != 0u ? 1.0 : 0.25;
+      onePlace = abs(met.t - walk.tMax) <= share * max(met.apart, walk.apart);
+    }
     if (onePlace) taken = met.order < walk.order;
-    if (SOLIDS && taken) walk.other = onePlace ? walk.hit : kRefNone;
-    if (SOLIDS && onePlace && !taken) walk.other = met.primitive;
+    if (SOLIDS && taken && !onePlace) walk.place = uvec4(0u);
+    if (SOLIDS && (taken || onePlace)) walk.place = withWall(walk.place, met.wall);
   }
   if (taken) walk.hit = met.primitive;
   if (taken && !anyHit) {
     walk.tMax = met.t;
     walk.order = met.order;
+    walk.wall = met.wall;
     walk.apart = met.apart;
   }
   both = met.both;

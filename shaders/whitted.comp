@@ -30,11 +30,11 @@ Row raysSpawned, nodesVisited, primitivesVisited;
 #include "fetch.glsl"
 #include "numerics.glsl"
 #include "camera.glsl"
+#include "solids.glsl"
 #include "intersect.glsl"
 #include "cube.glsl"
 #include "traverse.glsl"
 #include "shade.glsl"
-#include "solids.glsl"
 #include "state.glsl"
 
 // Where an invocation stands.
@@ -96,7 +96,7 @@ void findNearestHit(const RayFactors factors, inout int budget) {
   if (!isOver(walk)) return;
   hitT = walk.tMax;
   hitPrimitive = walk.hit;
-  hitOther = walk.other;
+  hitPlace = walk.place;
   light = 0u;
   phase = kNextLight;
   // A miss sees the background.
@@ -188,7 +188,7 @@ void spawnRays(const Surface surface, const MaterialRows material, const Crossin
 // Follows one ray to its nearest hit, from there to the lights, and spawns the next: one step down the tree of rays.
 void followRay(const uint slot, const uvec2 pixel, inout int budget) {
   // This turn, and those that no lane takes: of the walk below, of the loop over lights and of the walk in it.
-  budget -= 2 + idleTurns(NEAREST_NODES) + idleTurns(SHADOW_NODES);
+  budget -= 2 + idleTurns(NEAREST_NODES) + idleTurns(SHADOW_NODES) + (SOLIDS ? int(2u * kMaxWalls) : 0);
   if (SAMPLES > 1u && phase == kNextSample) beginSample(pixel);
 
   RayFactors factors = rayFactors(ray.direction);
@@ -199,11 +199,7 @@ void followRay(const uint slot, const uvec2 pixel, inout int budget) {
     MaterialRows material = materialRows(surface.material);
     Crossing crossing = Crossing(uvec4(0u), false, vec2(1, 0));
     if (SOLIDS) {
-      bool meetsOther = hitOther != kRefNone;
-      Surface other = surface;
-      if (meetsOther) other = surfaceAt(ray, factors, hitT, hitOther);
-      crossing = crossWall(solids, surface, meetsOther, other);
-      if (meetsOther) surface.margin = max(surface.margin, other.margin);
+      crossing = crossWalls(solids, hitPlace, material.other, surface.front);
     } else if (REFRACTION) {
       crossing.n = indexBehind(surface, indexOfRefraction(material));
     }

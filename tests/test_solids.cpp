@@ -35,16 +35,22 @@ Scene ballsScene(const vector<Sphere>& spheres) {
   return scene;
 }
 
-// Twelve triangles; `inward`: their fronts are inside.
-void addBox(Scene& scene, const dvec3& lo, const dvec3& hi, uint32_t material, bool inward = false) {
-  const dvec3 size = hi - lo, x(size.x, 0, 0), y(0, size.y, 0), z(0, 0, size.z);
-  const auto side = [&](const dvec3& corner, const dvec3& a, const dvec3& b) {
+// Twelve triangles; x, y and z are the edges at a corner, right-handed. `inward`: their fronts are inside.
+void addParallelepiped(Scene& scene, const dvec3& corner, const dvec3& x, const dvec3& y, const dvec3& z,
+                       uint32_t material, bool inward = false) {
+  const auto side = [&](const dvec3& at, const dvec3& a, const dvec3& b) {
     if (inward)
-      addQuad(scene, corner, b, a, material);
+      addQuad(scene, at, b, a, material);
     else
-      addQuad(scene, corner, a, b, material);
+      addQuad(scene, at, a, b, material);
   };
-  side(lo, y, x), side(lo + z, x, y), side(lo, x, z), side(lo + y, z, x), side(lo, z, y), side(lo + x, y, z);
+  side(corner, y, x), side(corner + z, x, y), side(corner, x, z), side(corner + y, z, x), side(corner, z, y),
+      side(corner + x, y, z);
+}
+
+void addBox(Scene& scene, const dvec3& lo, const dvec3& hi, uint32_t material, bool inward = false) {
+  const dvec3 size = hi - lo;
+  addParallelepiped(scene, lo, {size.x, 0, 0}, {0, size.y, 0}, {0, 0, size.z}, material, inward);
 }
 
 size_t solidsOf(const Scene& scene) {
@@ -133,15 +139,8 @@ TEST(Solids, TrianglesMeetWhereTheyCrossNotWhereTheirBoundsDo) {
   for (const bool crossing : {false, true}) {
     Scene scene = emptyScene();
     const dvec3 along(1, 1, 0), up(0, 0, 1), across(-0.1, 0.1, 0);
-    for (const uint32_t material : {kGlass, kWater}) {
-      const dvec3 at = material == kGlass ? dvec3(0) : crossing ? dvec3(-0.05, 0.05, 0) : dvec3(-0.25, 0.25, 0);
-      addQuad(scene, at, along, up, material);
-      addQuad(scene, at + across, up, along, material);
-      addQuad(scene, at, up, across, material);
-      addQuad(scene, at + along, across, up, material);
-      addQuad(scene, at, across, along, material);
-      addQuad(scene, at + up, along, across, material);
-    }
+    addParallelepiped(scene, {0, 0, 0}, along, across, up, kGlass);
+    addParallelepiped(scene, crossing ? dvec3(-0.05, 0.05, 0) : dvec3(-0.25, 0.25, 0), along, across, up, kWater);
     EXPECT_EQ(solidsOf(scene), crossing ? 2u : 0u);
   }
 }
@@ -197,25 +196,36 @@ TEST(Solids, KnowTheEyes) {
   EXPECT_EQ(around({2.4, 2.4, 2.4}), vector<uint32_t>{0}) << "in a corner of the box";
 }
 
-TEST(Solids, GlassOnSomethingOpaqueIsNoticedWhereRoundingTellsThemApart) {
-  for (const dvec3& lean : {dvec3(0, 0, 0), dvec3(0.3, 0.1, 0)}) {
+TEST(Solids, ThoseOnSomethingOpaqueAreNoticedWhereRoundingSeparatesThem) {
+  for (const double lean : {0.0, 0.25}) {
     for (const double gap : {0.0, 1e-8, 0.01}) {
       Scene scene = emptyScene();
-      const dvec3 x(1, lean.x, 0), y(0, 1, 0), z(0, lean.y, 1);
+      const dvec3 x(1, lean, 0), y(0, 1, 0), z(0, 0, 1);
       addQuad(scene, -4.0 * x - 4.0 * z, 8.0 * z, 8.0 * x, kMatte);
-      addQuad(scene, gap * y, x, z, kGlass);  // the glass is no solid, a sheet only
-      EXPECT_EQ(touchingSolids(scene).onOpaque, gap < 0.01 && (gap > 0 || lean.x > 0)) << lean.x << ' ' << gap;
-      EXPECT_EQ(touchingSolids(scene).matter(), touchingSolids(scene).onOpaque);
-      scene.triangles.erase(scene.triangles.begin(), scene.triangles.begin() + 2);
-      EXPECT_FALSE(touchingSolids(scene).onOpaque);
+      addParallelepiped(scene, gap * y, x, y, z, kGlass);
+      EXPECT_EQ(solidsOf(scene), gap < 0.01 && (gap > 0 || lean > 0) ? 1u : 0u) << lean << ' ' << gap;
+      for (Triangle& triangle : scene.triangles)
+        if (triangle.material == kMatte) triangle.vertices[0] += 0.01 * y, triangle.vertices[1] -= 0.01 * y;
+      EXPECT_EQ(solidsOf(scene), 0u) << "across each other";
     }
   }
   const auto balls = [&](double radius) {
-    return touchingSolids(ballsScene({{{1, 2, 3}, 1, kGlass}, {{1, 2, 3}, radius, kMatte}})).onOpaque;
+    return solidsOf(ballsScene({{{1, 2, 3}, 1, kGlass}, {{1, 2, 3}, radius, kMatte}}));
   };
-  EXPECT_FALSE(balls(1)) << "the same numbers are met at the same distance";
-  EXPECT_TRUE(balls(1 + 1e-8));
-  EXPECT_FALSE(balls(0.9));
+  EXPECT_EQ(balls(1), 0u) << "the same numbers are met at the same distance";
+  EXPECT_EQ(balls(1 + 1e-8), 1u);
+  EXPECT_EQ(balls(1 - 1e-6), 0u);
+}
+
+TEST(Solids, SizesAndDistancesOfAllKindsInOneMaterial) {
+  // A box of 2 mm with water in it, 5 mm from the eye, and a window of the same glass 2 km away.
+  Scene scene = emptyScene();
+  scene.camera = {.eye = {0, 0, 0.005}, .target = {0, 0, 0}};
+  addBox(scene, dvec3(-0.001), dvec3(0.001), kGlass);
+  addBox(scene, dvec3(-0.0005), dvec3(0.0005), kWater);
+  EXPECT_EQ(solidsOf(scene), 2u);
+  addBox(scene, {-1000, -1000, -2000}, {1000, 1000, -1999}, kGlass);
+  EXPECT_EQ(solidsOf(scene), 2u);
 }
 
 TEST(Solids, MillionsAreNoTrouble) {
@@ -223,7 +233,8 @@ TEST(Solids, MillionsAreNoTrouble) {
   for (int i = 0; i < 100000; ++i) scene.spheres.push_back({{0, 0, 0}, 1 + i * 1e-5, kGlass});  // one in the other
   for (int i = 0; i < 300000; ++i)
     scene.spheres.push_back({{3 * (i % 100), 3 * (i / 100 % 100), -10 - 3 * (i / 10000)}, 1, kWater});
-  EXPECT_EQ(solidsOf(scene), 100000u);
+  for (int i = 0; i < 20000; ++i) addBox(scene, dvec3(-1 - i * 1e-4), dvec3(1 + i * 1e-4), kWater);
+  EXPECT_EQ(solidsOf(scene), 120000u);
 }
 
 // Pictures in which a ray is in more solids than the kernel has room for are not made.

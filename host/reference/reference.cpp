@@ -248,7 +248,7 @@ class World {
   struct Hit {
     double t = kFarAway;
     uint32_t id = kNothing;
-    uint32_t other = kNothing;  // where solids touch: another wall in the same place
+    std::vector<uint32_t> place;  // where solids touch: all of their walls in its place
   };
 
   // The nearest primitive on the ray; among those in the same place the one that comes first.
@@ -258,12 +258,17 @@ class World {
     forCandidates(ray, hit.t, [&](uint32_t id) {
       const double t = hitPrimitive(ray, id);
       if (t == kFarAway) return hit.t + apart;
-      const double itsApart = !solids.matter() ? 0 : apartAlong(ray, t, id);
-      const bool samePlace = hit.id != kNothing && std::abs(t - hit.t) <= std::max(apart, itsApart);
+      const bool isWall = solidOf(id) != kNoSolid, hitIsWall = solidOf(hit.id) != kNoSolid;
+      const double itsApart = isWall ? apartAlong(ray, t, id) : 0;
+      // An opaque surface is no more than roundings away from what is in its place.
+      const double share = isWall && hitIsWall ? 1 : 0.25;
+      const bool samePlace = hit.id != kNothing && std::abs(t - hit.t) <= share * std::max(apart, itsApart);
       const bool taken = samePlace ? comesFirst(id, hit.id) : t < hit.t;
-      if (samePlace && !taken) hit.other = id;
+      if (taken && !samePlace) hit.place.clear();
+      if ((taken || samePlace) && isWall) hit.place.push_back(id);
       if (taken) {
-        hit = {t, id, samePlace ? hit.id : kNothing};
+        hit.t = t;
+        hit.id = id;
         apart = itsApart;
       }
       return hit.t + apart;
@@ -273,7 +278,7 @@ class World {
 
   // Of the solids that overlap or touch, the one that a primitive is a wall of, or kNoSolid.
   uint32_t solidOf(uint32_t id) const {
-    if (solids.materials.empty()) return kNoSolid;
+    if (solids.empty() || id == kNothing) return kNoSolid;
     return id < scene.spheres.size() ? solids.ofSpheres[id] : solids.ofTriangles[id - scene.spheres.size()];
   }
 
@@ -304,14 +309,14 @@ class World {
   const Solids solids;
 
  private:
-  // Walls are in one place if they are no farther apart than float32 can just tell, seen from the eye: this along the
-  // ray.
+  // How far along the ray another wall may be that is in one place with this one: some roundings of float32 to the side,
+  // seen from the eye.
   double apartAlong(const Ray& ray, double t, uint32_t id) const {
     const dvec3 x = ray.origin + t * ray.direction;
     const dvec3 normal = id < scene.spheres.size() ? (x - scene.spheres[id].center) / scene.spheres[id].radius
                                                    : faceNormals[id - scene.spheres.size()];
     const double cosine = std::abs(glm::dot(normal, ray.direction));
-    return 0x1p-22 * glm::length(x - scene.camera.eye) / std::max(cosine, 0x1p-10);
+    return 3 * 0x1p-20 * glm::length(x - scene.camera.eye) / std::max(cosine, 0x1p-10);
   }
 
   // Of primitives in one place: what is opaque, then glass, of solids that overlap the one with priority; then by ids.
@@ -496,18 +501,14 @@ class Tracer {
     return world.solids.glasses[a.back()] == world.solids.glasses[b.back()];
   }
 
-  Crossing crossing(const Ray& ray, const World::Hit& hit, Surface& surface, const Inside& inside) const {
+  Crossing crossing(const Ray& ray, const World::Hit& hit, const Surface& surface, const Inside& inside) const {
     Crossing result{inside, 1};
-    const uint32_t solid = world.solidOf(surface.id);
-    if (solid != kNoSolid && surface.front) enterOrLeave(result.behind, solid, true);
-    if (hit.other != kNothing && world.solidOf(hit.other) != kNoSolid) {
-      const Surface other = world.surfaceAt(ray, {hit.t, hit.other});
-      enterOrLeave(result.behind, world.solidOf(hit.other), other.front);
-      surface.uncertainty = std::max(surface.uncertainty, other.uncertainty);
-    }
-    if (solid != kNoSolid && !surface.front) enterOrLeave(result.behind, solid, false);
+    for (const bool enters : {true, false})
+      for (const uint32_t id : hit.place)
+        if (world.surfaceAt(ray, {hit.t, id, {}}).front == enters)
+          enterOrLeave(result.behind, world.solidOf(id), enters);
     const double own = surface.material->ior;
-    if (solid != kNoSolid) {
+    if (world.solidOf(surface.id) != kNoSolid) {
       result.ratio = indexIn(inside) / indexIn(result.behind);
       result.hidden = sameGlass(inside, result.behind);
     } else {
@@ -526,7 +527,7 @@ class Tracer {
       if (stop.stop_requested()) return dvec3(0);
       const World::Hit hit = world.closest(ray);
       if (hit.id == kNothing) return scene.background;
-      Surface surface = world.surfaceAt(ray, hit);
+      const Surface surface = world.surfaceAt(ray, hit);
       const Crossing through = crossing(ray, hit, surface, inside);
       if (!through.hidden) return sentBack(ray, surface, inside, through, level, weight);
       ray = makeRay(surface.startToward(ray.direction), ray.direction, surface.id);

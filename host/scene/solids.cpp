@@ -15,6 +15,14 @@
 #include <utility>
 
 namespace turner {
+
+double facing(const Scene& scene, const Triangle& triangle) {
+  if (triangle.normals == kNoNormals) return 1;
+  const auto& [a, b, c] = triangle.vertices;
+  const auto& n = scene.normals[triangle.normals];
+  return glm::dot(glm::cross(b - a, c - a), n[0] + n[1] + n[2]) < 0 ? -1 : 1;
+}
+
 namespace {
 
 using glm::dvec3;
@@ -39,9 +47,9 @@ Bounds boundsOf(const Scene& scene, const Triangle& triangle) {
   return {glm::min(a, glm::min(b, c)) - scene.camera.eye, glm::max(a, glm::max(b, c)) - scene.camera.eye};
 }
 
-// Walls and vertices nearer to each other than this share of their distance from the eye touch: a few roundings of
-// float32.
-constexpr double kTouching = 1e-6;
+// Walls nearer to each other than this share of their distance from the eye touch. More than what the renderers take for
+// one place; what touches without need costs time, and no more.
+constexpr double kTouching = 1e-5;
 
 double sizeOf(const Bounds& box) {
   const dvec3 size = glm::max(glm::abs(box.lo), glm::abs(box.hi));
@@ -71,37 +79,32 @@ struct Surface {
   Bounds box;
 };
 
-// The side of a triangle that is its front: 1 by its winding, -1 where its vertex normals look to the other side.
-double facing(const Scene& scene, const Triangle& triangle) {
-  if (triangle.normals == kNoNormals) return 1;
-  const auto& [a, b, c] = triangle.vertices;
-  const auto& n = scene.normals[triangle.normals];
-  return glm::dot(glm::cross(b - a, c - a), n[0] + n[1] + n[2]) < 0 ? -1 : 1;
-}
-
-// Numbers points: those within a tolerance of each other have the same number, in whatever way their coordinates were
-// computed or rounded.
+// Numbers points: those nearer to each other than a few roundings of float32 have the same number, in whatever way their
+// coordinates were computed or rounded.
 class PointNumbers {
  public:
-  explicit PointNumbers(double tolerance) : tolerance_(tolerance) {}
-
   uint32_t of(const dvec3& p) {
-    // Cells of 16 tolerances: most points look into one.
-    const Cell lo = cellOf(p - tolerance_), hi = cellOf(p + tolerance_);
-    for (int64_t x = lo[0]; x <= hi[0]; ++x)
-      for (int64_t y = lo[1]; y <= hi[1]; ++y)
-        for (int64_t z = lo[2]; z <= hi[2]; ++z) {
-          const auto [first, last] = numbers_.equal_range({x, y, z});
-          for (auto it = first; it != last; ++it)
-            if (glm::length(it->second.point - p) <= tolerance_) return it->second.number;
-        }
+    // The tolerance goes with the distance from the origin, by powers of two. Most points look into one cell of 16
+    // tolerances on a side.
+    const int level = levelOf(p, 1 - 1e-5), lastLevel = levelOf(p, 1 + 1e-5);
+    for (const int l : {level, lastLevel}) {
+      const double tolerance = toleranceAt(l);
+      const Cell lo = cellOf(p - tolerance, l), hi = cellOf(p + tolerance, l);
+      for (int64_t x = lo[0]; x <= hi[0]; ++x)
+        for (int64_t y = lo[1]; y <= hi[1]; ++y)
+          for (int64_t z = lo[2]; z <= hi[2]; ++z) {
+            const auto [first, last] = numbers_.equal_range({x, y, z, l});
+            for (auto it = first; it != last; ++it)
+              if (glm::length(it->second.point - p) <= tolerance) return it->second.number;
+          }
+    }
     const uint32_t number = uint32_t(numbers_.size());
-    numbers_.insert({cellOf(p), {p, number}});
+    numbers_.insert({cellOf(p, level), {p, number}});
     return number;
   }
 
  private:
-  using Cell = std::array<int64_t, 3>;
+  using Cell = std::array<int64_t, 4>;  // and the level
   struct Numbered {
     dvec3 point;
     uint32_t number;
@@ -110,15 +113,19 @@ class PointNumbers {
     size_t operator()(const Cell& c) const {
       const auto spread = [](int64_t i, uint64_t by) { return uint64_t(i) * by; };
       return (spread(c[0], 0x9e3779b97f4a7c15u) ^ std::rotl(spread(c[1], 0xc2b2ae3d27d4eb4fu), 21)) +
-             spread(c[2], 0x165667b19e3779f9u);
+             spread(c[2], 0x165667b19e3779f9u) + uint64_t(c[3]);
     }
   };
-  Cell cellOf(const dvec3& p) const {
-    const dvec3 cell = glm::floor(p / (16 * tolerance_));
-    return {int64_t(cell.x), int64_t(cell.y), int64_t(cell.z)};
+  static int levelOf(const dvec3& p, double factor) {
+    const double size = factor * std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+    return size > 0 ? std::ilogb(size) : -1000;
+  }
+  static double toleranceAt(int level) { return std::ldexp(1.0, level - 20); }
+  static Cell cellOf(const dvec3& p, int level) {
+    const dvec3 cell = glm::floor(p / (16 * toleranceAt(level)));
+    return {int64_t(cell.x), int64_t(cell.y), int64_t(cell.z), level};
   }
 
-  double tolerance_;
   std::unordered_multimap<Cell, Numbered, CellHash> numbers_;
 };
 
@@ -149,9 +156,7 @@ void measure(const Scene& scene, Surface& surface) {
 // their order: whenever no edge is left open, a surface is complete. So two cubes in a row that share an edge or a face
 // are two.
 void addClosedSurfaces(const Scene& scene, const std::vector<uint32_t>& triangles, std::vector<Surface>& surfaces) {
-  Bounds all;
-  for (const uint32_t i : triangles) all.include(boundsOf(scene, scene.triangles[i]));
-  PointNumbers numbers(kTouching * sizeOf(all));
+  PointNumbers numbers;
   using Edge = std::pair<uint32_t, uint32_t>;
   std::vector<std::array<Edge, 3>> edges;
   for (const uint32_t i : triangles) {
@@ -173,10 +178,11 @@ void addClosedSurfaces(const Scene& scene, const std::vector<uint32_t>& triangle
   for (uint32_t i = 0; i < triangles.size(); ++i) partOf[i] = parts.find(i);
   std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return partOf[a] < partOf[b]; });
 
-  std::unordered_map<uint64_t, int> open;  // edges by how often one direction is met more than the other
+  using Open = std::unordered_map<uint64_t, int>;
+  Open open;  // edges, by how often one direction is met more than the other
   Surface surface;
   for (size_t k = 0; k < order.size(); ++k) {
-    if (k == 0 || partOf[order[k]] != partOf[order[k - 1]]) open.clear(), surface.triangles.clear();
+    if (k == 0 || partOf[order[k]] != partOf[order[k - 1]]) open = Open(), surface.triangles.clear();
     surface.triangles.push_back(triangles[order[k]]);
     for (const auto& [a, b] : edges[order[k]]) {
       if (a == b) continue;
@@ -225,7 +231,6 @@ std::vector<Surface> closedSurfaces(const Scene& scene) {
 
 struct Solid {
   std::vector<const Surface*> surfaces;  // the outer one, then those of its hollows
-  double volume = 0;
   const Surface& outer() const { return *surfaces[0]; }
 };
 
@@ -303,7 +308,7 @@ std::vector<Solid> solidsOf(const std::vector<Surface>& surfaces) {
   for (const Surface& surface : surfaces) {
     if (surface.volume < 0) continue;
     items.push_back({surface.box, uint32_t(solids.size()), 0});
-    solids.push_back({{&surface}, surface.volume});
+    solids.push_back({{&surface}});
   }
   const BoxTree tree(std::move(items));
   for (const Surface& surface : surfaces) {
@@ -316,9 +321,7 @@ std::vector<Solid> solidsOf(const std::vector<Surface>& surfaces) {
         smallest = item.owner;
       return false;
     });
-    if (smallest == kNoSolid) continue;
-    solids[smallest].surfaces.push_back(&surface);
-    solids[smallest].volume += surface.volume;
+    if (smallest != kNoSolid) solids[smallest].surfaces.push_back(&surface);
   }
   return solids;
 }
@@ -395,10 +398,11 @@ void forPrimitives(const Scene& scene, const Solid& solid, Visit&& visit) {
   }
 }
 
-// Of each solid whether a wall of another meets one of its own, or the bounds of the one hold those of the other.
-std::vector<bool> meetingOthers(const Scene& scene, const std::vector<Solid>& solids) {
-  std::vector<bool> meets(solids.size());
-  if (solids.size() < 2) return meets;
+// Of each solid whether a wall of another meets one of its own, or the bounds of the one hold those of the other. Every
+// solid looks for one such partner.
+void markMeeting(const Scene& scene, const std::vector<Solid>& solids, std::vector<bool>& marked) {
+  if (solids.size() < 2) return;
+  const auto isMesh = [&](uint32_t solid) { return solids[solid].outer().sphere == kNoSolid; };
   std::vector<BoxTree::Item> walls, bounds;
   for (uint32_t k = 0; k < solids.size(); ++k) {
     bounds.push_back({solids[k].outer().box, k, 0});
@@ -407,22 +411,22 @@ std::vector<bool> meetingOthers(const Scene& scene, const std::vector<Solid>& so
   }
   const BoxTree tree(walls), boundsTree(bounds);
   for (const BoxTree::Item& item : bounds) {
-    const bool isMesh = solids[item.owner].outer().sphere == kNoSolid;
-    if (isMesh)
-      boundsTree.findMeeting(item.box, item.owner, [&](const BoxTree::Item& other) {
-        if (holds(item.box, other.box)) meets[item.owner] = meets[other.owner] = true;
+    if (marked[item.owner]) continue;
+    boundsTree.findMeeting(item.box, item.owner, [&](const BoxTree::Item& other) {
+      if (!(isMesh(other.owner) && holds(other.box, item.box)) && !(isMesh(item.owner) && holds(item.box, other.box)))
         return false;
-      });
-  }
-  for (const BoxTree::Item& item : walls) {
-    if (meets[item.owner]) continue;
-    tree.findMeeting(item.box, item.owner, [&](const BoxTree::Item& other) {
-      if (!meet(scene, item, other)) return false;
-      meets[item.owner] = meets[other.owner] = true;
+      marked[item.owner] = marked[other.owner] = true;
       return true;
     });
   }
-  return meets;
+  for (const BoxTree::Item& item : walls) {
+    if (marked[item.owner]) continue;
+    tree.findMeeting(item.box, item.owner, [&](const BoxTree::Item& other) {
+      if (!meet(scene, item, other)) return false;
+      marked[item.owner] = marked[other.owner] = true;
+      return true;
+    });
+  }
 }
 
 // Whether two triangles lie in the same plane of equal x, y or z: the kernel meets both at exactly the same distance.
@@ -464,33 +468,25 @@ bool coincide(const Scene& scene, const BoxTree::Item& a, const BoxTree::Item& b
   return (inPlaneOf(s, t) || inPlaneOf(t, s)) && meet(scene, s, t);
 }
 
-bool liesOnOpaque(const Scene& scene) {
-  if (!hasGlass(scene)) return false;
-  // Calls found(item) for all that is glass, or opaque, until it returns true.
-  const auto any = [&](bool isGlass, const auto& found) {
-    const auto itemOf = [&](const auto& primitive, size_t id) {
-      return BoxTree::Item{.box = boundsOf(scene, primitive), .owner = 0, .index = uint32_t(id)};
-    };
-    const auto wanted = [&](const auto& primitive) {
-      return (scene.materials[primitive.material].transmit > 0) == isGlass;
-    };
-    const size_t spheres = scene.spheres.size();
-    for (size_t i = 0; i < spheres; ++i)
-      if (wanted(scene.spheres[i]) && found(itemOf(scene.spheres[i], i))) return true;
-    for (size_t i = 0; i < scene.triangles.size(); ++i)
-      if (wanted(scene.triangles[i]) && found(itemOf(scene.triangles[i], spheres + i))) return true;
-    return false;
+// Of each solid whether something opaque lies in a face of its own.
+void markOnOpaque(const Scene& scene, const std::vector<Solid>& solids, std::vector<bool>& marked) {
+  std::vector<BoxTree::Item> walls;
+  for (uint32_t k = 0; k < solids.size(); ++k)
+    if (!marked[k])
+      forPrimitives(scene, solids[k],
+                    [&](uint32_t id, const Bounds& box) { walls.push_back({.box = box, .owner = k, .index = id}); });
+  if (walls.empty()) return;
+  const BoxTree tree(std::move(walls));
+  const auto look = [&](const auto& primitive, size_t id) {
+    if (scene.materials[primitive.material].transmit > 0) return;
+    const BoxTree::Item item{.box = boundsOf(scene, primitive), .owner = kNoSolid, .index = uint32_t(id)};
+    tree.findMeeting(item.box, kNoSolid, [&](const BoxTree::Item& other) {
+      if (!marked[other.owner] && coincide(scene, item, other)) marked[other.owner] = true;
+      return false;
+    });
   };
-  std::vector<BoxTree::Item> glass;
-  any(true, [&](const BoxTree::Item& item) {
-    glass.push_back(item);
-    return false;
-  });
-  const BoxTree tree(std::move(glass));
-  return any(false, [&](const BoxTree::Item& item) {
-    return tree.findMeeting(item.box, kNoSolid,
-                            [&](const BoxTree::Item& other) { return coincide(scene, item, other); });
-  });
+  for (size_t i = 0; i < scene.spheres.size(); ++i) look(scene.spheres[i], i);
+  for (size_t i = 0; i < scene.triangles.size(); ++i) look(scene.triangles[i], scene.spheres.size() + i);
 }
 
 // ---- Which of them are around the eye ----
@@ -516,10 +512,14 @@ double windingNumber(const Scene& scene, const Surface& surface, const dvec3& p)
   return angle / (4 * std::numbers::pi);
 }
 
-// What a material is but for its name.
-auto valuesOf(const Material& m) {
-  return std::array{m.diffuse.x, m.diffuse.y, m.diffuse.z, m.specular.x, m.specular.y, m.specular.z,
-                    m.shininess, m.reflect,   m.transmit,  m.ior,        m.localWeight};
+// What a material is but for its name, as float32 has it.
+std::array<float, 11> valuesOf(const Material& m) {
+  std::array<float, 11> values{};
+  size_t i = 0;
+  for (const double value : {m.diffuse.x, m.diffuse.y, m.diffuse.z, m.specular.x, m.specular.y, m.specular.z, m.shininess,
+                             m.reflect, m.transmit, m.ior, m.localWeight})
+    values[i++] = float(value);
+  return values;
 }
 
 }  // namespace
@@ -527,23 +527,24 @@ auto valuesOf(const Material& m) {
 Solids touchingSolids(const Scene& scene) {
   const std::vector<Surface> surfaces = closedSurfaces(scene);
   const std::vector<Solid> solids = solidsOf(surfaces);
-  const std::vector<bool> meets = meetingOthers(scene, solids);
+  std::vector<bool> marked(solids.size());
+  markMeeting(scene, solids, marked);
+  markOnOpaque(scene, solids, marked);
   std::vector<uint32_t> order;
   for (uint32_t k = 0; k < solids.size(); ++k)
-    if (meets[k]) order.push_back(k);
+    if (marked[k]) order.push_back(k);
   Solids result;
-  result.onOpaque = liesOnOpaque(scene);
   if (order.empty()) return result;
 
   // Volumes that differ by rounding are the same: the exact and the rounded scene are to agree.
-  const auto volumeClass = [&](uint32_t k) { return std::lround(1024 * std::log2(solids[k].volume)); };
+  const auto volumeClass = [&](uint32_t k) { return std::lround(1024 * std::log2(solids[k].outer().volume)); };
   std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
     const long va = volumeClass(a), vb = volumeClass(b);
     return va != vb ? va > vb : solids[a].outer().firstId < solids[b].outer().firstId;
   });
   result.ofSpheres.assign(scene.spheres.size(), kNoSolid);
   result.ofTriangles.assign(scene.triangles.size(), kNoSolid);
-  std::map<decltype(valuesOf(Material{})), uint32_t> glasses;
+  std::map<std::array<float, 11>, uint32_t> glasses;
   for (uint32_t rank = 0; rank < order.size(); ++rank) {
     const Solid& solid = solids[order[rank]];
     result.materials.push_back(solid.outer().material);

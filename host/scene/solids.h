@@ -15,8 +15,9 @@ namespace turner {
 inline constexpr uint32_t kNoSolid = UINT32_MAX;
 
 struct Solids {
-  // The material of each solid whose bounds or walls meet those of another, in order of priority: where two overlap,
-  // the later one is seen. It is the smaller one by volume; of equal ones that with the later primitives.
+  // The material of each solid whose bounds or walls meet those of another, or that something opaque lies on so that only
+  // rounding separates them. In order of priority: where two overlap, the later one is seen. It is the smaller one by the
+  // volume within its outer surface; of equal ones that with the later primitives.
   std::vector<uint32_t> materials;
   // Of each solid a number that it shares with those of the same glass, whose materials are equal but for their names.
   std::vector<uint32_t> glasses;
@@ -24,14 +25,14 @@ struct Solids {
   std::vector<uint32_t> ofSpheres, ofTriangles;
   // Those that the camera's eye is in, ascending.
   std::vector<uint32_t> aroundEye;
-  // Glass, a solid or not, lies on a face of something opaque: both are in one place, but by their rounding.
-  bool onOpaque = false;
 
-  // Whether it matters what walls a ray meets in one place, and in which solids it is.
-  bool matter() const { return onOpaque || !materials.empty(); }
+  bool empty() const { return materials.empty(); }
 };
 
 // `scene` is the exact one, or the result of roundScene.
+// The side of a triangle that is its front: 1 by its winding, -1 where its vertex normals look to the other side.
+double facing(const Scene& scene, const Triangle& triangle);
+
 Solids touchingSolids(const Scene& scene);
 
 }  // namespace turner

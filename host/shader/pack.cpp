@@ -268,14 +268,14 @@ PackedScene packScene(const Shapes& shapes, const Bvh& bvh, const RenderSettings
   if (bvh.depth > int(gpu::kMaxTreeDepth))
     throw RunError("the tree is " + std::to_string(bvh.depth) + " nodes deep, more than the kernel's stack holds");
 
-  if (!shapes.solids.materials.empty() && local.materials.size() > gpu::kMaxMaterials)
+  if (!shapes.solids.empty() && local.materials.size() > gpu::kMaxMaterials)
     throw InputError(std::to_string(shapes.solids.materials.size()) +
                      " solids of glass overlap or touch each other; the kernel can number " +
                      std::to_string(gpu::kMaxMaterials - shapes.firstSolid) + "; use --backend reference");
 
   PackedScene packed;
   packed.features = featuresOf(local);
-  packed.features.solids = shapes.solids.matter();
+  packed.features.solids = !shapes.solids.empty();
   packed.view = {.camera = local.camera,
                  .background = local.background,
                  .solids = solidsAroundEye(shapes),

@@ -23,7 +23,7 @@ struct Dispatching {
 
 // With fewer iterations an invocation might not get anywhere: one turn of each loop costs up to 8 + 4 + 3 + 1, see
 // whitted.comp and traverse.glsl.
-inline constexpr uint32_t kLeastBudget = 16;
+inline constexpr uint32_t kLeastBudget = 40;
 
 // What rays met on their way, by kind of ray.
 struct Visits {

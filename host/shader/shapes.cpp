@@ -100,7 +100,7 @@ std::vector<TrianglePair> pairPiece(Scene& scene, size_t begin, size_t end) {
   return pairs;
 }
 
-// No pair reaches over two solids then.
+// No pair reaches over two solids then. The front of their triangles is that of the winding.
 void giveSolidsMaterials(Shapes& shapes) {
   Scene& scene = shapes.scene;
   shapes.solids = touchingSolids(scene);
@@ -110,8 +110,13 @@ void giveSolidsMaterials(Shapes& shapes) {
     if (const uint32_t solid = shapes.solids.ofSpheres[i]; solid != kNoSolid)
       scene.spheres[i].material = shapes.firstSolid + solid;
   for (size_t i = 0; i < shapes.solids.ofTriangles.size(); ++i)
-    if (const uint32_t solid = shapes.solids.ofTriangles[i]; solid != kNoSolid)
-      scene.triangles[i].material = shapes.firstSolid + solid;
+    if (const uint32_t solid = shapes.solids.ofTriangles[i]; solid != kNoSolid) {
+      Triangle& triangle = scene.triangles[i];
+      triangle.material = shapes.firstSolid + solid;
+      if (facing(scene, triangle) > 0) continue;
+      std::swap(triangle.vertices[1], triangle.vertices[2]);
+      std::swap(scene.normals[triangle.normals][1], scene.normals[triangle.normals][2]);
+    }
 }
 
 std::vector<TrianglePair> pairTriangles(Scene& scene) {

@@ -23,5 +23,5 @@ Meeting meetPair(const Ray ray, const RayFactors factors, const uint pair) {
   bool isSecond = inSecond && !inFirst;
   float t = inFirst ? tFirst : inSecond ? tSecond : kNoHit;
   uint tested = pair != first ? 0u : v3.w != kRefNone ? 2u : 1u;
-  return Meeting(t, isSecond ? second : first, isSecond ? v3.w : v0.w, inFirst && inSecond, tested, 0.0);
+  return Meeting(t, isSecond ? second : first, isSecond ? v3.w : v0.w, inFirst && inSecond, tested, 0u, 0.0);
 }

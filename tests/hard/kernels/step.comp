@@ -19,11 +19,11 @@ Row nodesVisited, primitivesVisited;
 
 #include "../../../shaders/fetch.glsl"
 #include "../../../shaders/numerics.glsl"
+#include "../../../shaders/solids.glsl"
 #include "../../../shaders/intersect.glsl"
 #include "../../../shaders/cube.glsl"
 #include "../../../shaders/traverse.glsl"
 #include "../../../shaders/shade.glsl"
-#include "../../../shaders/solids.glsl"
 
 Row packRow(const vec3 v, const uint w) { return Row(floatBitsToUint(v), w); }
 
@@ -66,16 +66,13 @@ void main() {
     }
     if (next.w == kNextTransmitted) {
       vec3 T = ray.direction;
-      vec2 n = indexBehind(surface, indexOfRefraction(materialRows(surface.material)));
+      MaterialRows material = materialRows(surface.material);
+      vec2 n = indexBehind(surface, indexOfRefraction(material));
       if (SOLIDS) {
-        bool meetsOther = walk.other != kRefNone;
-        Surface other = surface;
-        if (meetsOther) other = surfaceAt(ray, factors, walk.tMax, walk.other);
-        Crossing crossing = crossWall(solids, surface, meetsOther, other);
+        Crossing crossing = crossWalls(solids, walk.place, material.other, surface.front);
         hidden = crossing.hidden;
         n = crossing.n;
         solids = crossing.beyond;
-        if (meetsOther) surface.margin = max(surface.margin, other.margin);
       }
       leaves = hidden || transmission(surface, ray.direction, n, T);
       leaving = leaveSurface(surface, walk.hit, T, false);
