@@ -220,7 +220,8 @@ TURNER_CONST kStateNodeStack = 10u;  // kMaxTreeDepth references, four in a row
 TURNER_CONST kStateSolids = 22u;     // that the ray in hand is in
 TURNER_CONST kStatePlace = 23u;      // walls in the place of the walk's best hit
 TURNER_CONST kStateHitPlace = 24u;   // in that of the ray's hit
-// x: the wall that the walk's best hit is on, y: how far its place reaches (float), z: hidden walls that the ray has passed
+// x: the wall that the walk's best hit is on, y: how far its place reaches (float), z: hidden walls that the ray has
+// passed
 TURNER_CONST kStateWalls = 25u;
 // Rows for each level from 2 on: origin, leaving; direction, weight; where there are solids: those that the ray is in.
 TURNER_CONST kStateRayStack = 26u;

@@ -109,9 +109,11 @@ struct Meeting {
   float apart;     // how far from t another wall may be hit that is in the same place
 };
 
-// Two walls are in one place where a ray that leaves the one by its margin might start behind the other, with much room
-// for the errors of both distances: what is decided by these is a small part of it.
-float apartAlong(const float margin, const float cosine) { return 16.0 * margin / max(abs(cosine), 1.0 / 1024.0); }
+// Two walls are in one place if they are no farther apart than 48 roundings of their distance from the eye: that is more
+// than how far rays start from a surface, with much room for the errors of both distances, so that these rarely decide.
+float apartAlong(const vec3 point, const float margin, const float cosine) {
+  return max(48.0 * kRounding * length(point), 4.0 * margin) / max(abs(cosine), 1.0 / 1024.0);
+}
 
 Meeting meetSphere(const Ray ray, const RayFactors factors, const uint primitive) {
   uint row = kUnitRows * primitive;
@@ -123,7 +125,7 @@ Meeting meetSphere(const Ray ray, const RayFactors factors, const uint primitive
     bool outside = !leavesIt && isOutside(sphere, ray.origin);
     met.wall = wallOf(tags.y & ~kNearEye, outside != (sphere.radius < 0.0));
     vec3 point = ray.origin + met.t * ray.direction;
-    met.apart = apartAlong(sphereMargin(sphere, point), dot(normalize(point - sphere.center), ray.direction));
+    met.apart = apartAlong(point, sphereMargin(sphere, point), dot(normalize(point - sphere.center), ray.direction));
   }
   return met;
 }
@@ -154,8 +156,8 @@ Meeting meetPair(const Ray ray, const RayFactors factors, const uint pair) {
   float apart = 0.0;
   if (SOLIDS && t < kNoHit) {
     wall = wallOf(v1.w, dot(xyz(plane), ray.direction) < 0.0);
-    float margin = planeMargin(xyz(plane), uintBitsToFloat(plane.w), ray.origin + t * ray.direction);
-    apart = apartAlong(margin, dot(xyz(plane), ray.direction));
+    vec3 point = ray.origin + t * ray.direction;
+    apart = apartAlong(point, planeMargin(xyz(plane), uintBitsToFloat(plane.w), point), dot(xyz(plane), ray.direction));
   }
   return Meeting(t, isSecond ? second : first, isSecond ? v3.w : v0.w, inFirst && inSecond, tested, wall, apart);
 }

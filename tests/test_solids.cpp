@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 #include <vector>
@@ -234,7 +235,12 @@ TEST(Solids, MillionsAreNoTrouble) {
   for (int i = 0; i < 300000; ++i)
     scene.spheres.push_back({{3 * (i % 100), 3 * (i / 100 % 100), -10 - 3 * (i / 10000)}, 1, kWater});
   for (int i = 0; i < 20000; ++i) addBox(scene, dvec3(-1 - i * 1e-4), dvec3(1 + i * 1e-4), kWater);
-  EXPECT_EQ(solidsOf(scene), 120000u);
+  for (int i = 0; i < 30000; ++i)
+    for (const double sign : {1.0, -0.5}) scene.spheres.push_back({{50, 0, 0}, sign * (1 + i * 1e-4), kOtherGlass});
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_EQ(solidsOf(scene), 150000u);
+  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+  EXPECT_LT(seconds.count(), 60) << "3 s by the logarithm, minutes by the square";
 }
 
 // Pictures in which a ray is in more solids than the kernel has room for are not made.

@@ -309,14 +309,14 @@ class World {
   const Solids solids;
 
  private:
-  // How far along the ray another wall may be that is in one place with this one: some roundings of float32 to the side,
-  // seen from the eye.
+  // How far along the ray another wall may be that is in one place with this one: 48 roundings of float32 to the side,
+  // of its distance from the eye.
   double apartAlong(const Ray& ray, double t, uint32_t id) const {
     const dvec3 x = ray.origin + t * ray.direction;
     const dvec3 normal = id < scene.spheres.size() ? (x - scene.spheres[id].center) / scene.spheres[id].radius
                                                    : faceNormals[id - scene.spheres.size()];
     const double cosine = std::abs(glm::dot(normal, ray.direction));
-    return 3 * 0x1p-20 * glm::length(x - scene.camera.eye) / std::max(cosine, 0x1p-10);
+    return 48 * 0x1p-24 * glm::length(x - scene.camera.eye) / std::max(cosine, 0x1p-10);
   }
 
   // Of primitives in one place: what is opaque, then glass, of solids that overlap the one with priority; then by ids.

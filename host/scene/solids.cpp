@@ -47,8 +47,8 @@ Bounds boundsOf(const Scene& scene, const Triangle& triangle) {
   return {glm::min(a, glm::min(b, c)) - scene.camera.eye, glm::max(a, glm::max(b, c)) - scene.camera.eye};
 }
 
-// Walls nearer to each other than this share of their distance from the eye touch. More than what the renderers take for
-// one place; what touches without need costs time, and no more.
+// Walls nearer to each other than this share of their distance from the eye touch. More than what the renderers take
+// for one place; what touches without need costs time, and no more.
 constexpr double kTouching = 1e-5;
 
 double sizeOf(const Bounds& box) {
@@ -79,8 +79,8 @@ struct Surface {
   Bounds box;
 };
 
-// Numbers points: those nearer to each other than a few roundings of float32 have the same number, in whatever way their
-// coordinates were computed or rounded.
+// Numbers points: those nearer to each other than a few roundings of float32 have the same number, in whatever way
+// their coordinates were computed or rounded.
 class PointNumbers {
  public:
   uint32_t of(const dvec3& p) {
@@ -240,6 +240,7 @@ class BoxTree {
   struct Item {
     Bounds box;
     uint32_t owner, index;
+    double volume = 0;
   };
 
   explicit BoxTree(std::vector<Item> items) : items_(std::move(items)) {
@@ -253,6 +254,14 @@ class BoxTree {
     return !nodes_.empty() && find(0, box, owner, visit);
   }
 
+  // Of the items that `accept` and whose boxes hold this one, that with the least volume from `least` on, or nothing.
+  template <class Accept>
+  const Item* smallestHolding(const Bounds& box, double least, Accept&& accept) const {
+    const Item* smallest = nullptr;
+    if (!nodes_.empty()) findSmallest(0, box, least, accept, smallest);
+    return smallest;
+  }
+
  private:
   static constexpr uint32_t kSeveral = kNoSolid - 1;
   struct Node {
@@ -260,6 +269,7 @@ class BoxTree {
     uint32_t first, count;
     uint32_t second = 0;        // its second child; its first one stands next to it; 0: a leaf
     uint32_t owner = kSeveral;  // of all its items
+    double leastVolume = std::numeric_limits<double>::infinity(), mostVolume = 0;
   };
 
   uint32_t build(uint32_t first, uint32_t count) {
@@ -271,6 +281,8 @@ class BoxTree {
       const dvec3 center = 0.5 * (items_[i].box.lo + items_[i].box.hi);
       centers.include({center, center});
       if (items_[i].owner != node.owner) node.owner = kSeveral;
+      node.leastVolume = std::min(node.leastVolume, items_[i].volume);
+      node.mostVolume = std::max(node.mostVolume, items_[i].volume);
     }
     nodes_.push_back(node);
     if (count <= 4) return index;
@@ -279,7 +291,9 @@ class BoxTree {
     const uint32_t half = count / 2;
     std::nth_element(items_.begin() + first, items_.begin() + first + half, items_.begin() + first + count,
                      [&](const Item& a, const Item& b) {
-                       return a.box.lo[axis] + a.box.hi[axis] < b.box.lo[axis] + b.box.hi[axis];
+                       // What lies in one another comes apart by its size.
+                       const double atA = a.box.lo[axis] + a.box.hi[axis], atB = b.box.lo[axis] + b.box.hi[axis];
+                       return atA != atB ? atA < atB : a.volume < b.volume;
                      });
     build(first, half);
     const uint32_t second = build(first + half, count - half);
@@ -297,6 +311,21 @@ class BoxTree {
     return false;
   }
 
+  template <class Accept>
+  void findSmallest(uint32_t index, const Bounds& box, double least, Accept&& accept, const Item*& smallest) const {
+    const Node& node = nodes_[index];
+    if (node.mostVolume < least || (smallest && node.leastVolume >= smallest->volume) || !holds(node.box, box)) return;
+    if (node.second != 0) {
+      findSmallest(index + 1, box, least, accept, smallest);
+      findSmallest(node.second, box, least, accept, smallest);
+      return;
+    }
+    for (uint32_t i = node.first; i < node.first + node.count; ++i)
+      if (items_[i].volume >= least && (!smallest || items_[i].volume < smallest->volume) &&
+          holds(items_[i].box, box) && accept(items_[i]))
+        smallest = &items_[i];
+  }
+
   std::vector<Item> items_;
   std::vector<Node> nodes_;
 };
@@ -307,21 +336,16 @@ std::vector<Solid> solidsOf(const std::vector<Surface>& surfaces) {
   std::vector<BoxTree::Item> items;
   for (const Surface& surface : surfaces) {
     if (surface.volume < 0) continue;
-    items.push_back({surface.box, uint32_t(solids.size()), 0});
+    items.push_back({surface.box, uint32_t(solids.size()), 0, surface.volume});
     solids.push_back({{&surface}});
   }
   const BoxTree tree(std::move(items));
   for (const Surface& surface : surfaces) {
     if (surface.volume > 0) continue;
-    uint32_t smallest = kNoSolid;
-    tree.findMeeting(surface.box, kNoSolid, [&](const BoxTree::Item& item) {
-      const Surface& outer = solids[item.owner].outer();
-      if (outer.material == surface.material && outer.volume >= -surface.volume && holds(item.box, surface.box) &&
-          (smallest == kNoSolid || outer.volume < solids[smallest].outer().volume))
-        smallest = item.owner;
-      return false;
-    });
-    if (smallest != kNoSolid) solids[smallest].surfaces.push_back(&surface);
+    const BoxTree::Item* const smallest = tree.smallestHolding(
+        surface.box, -surface.volume,
+        [&](const BoxTree::Item& item) { return solids[item.owner].outer().material == surface.material; });
+    if (smallest) solids[smallest->owner].surfaces.push_back(&surface);
   }
   return solids;
 }
@@ -398,26 +422,23 @@ void forPrimitives(const Scene& scene, const Solid& solid, Visit&& visit) {
   }
 }
 
-// Of each solid whether a wall of another meets one of its own, or the bounds of the one hold those of the other. Every
-// solid looks for one such partner.
+// Of each solid whether a wall of another meets one of its own, or the bounds of a mesh hold those of another solid. It
+// is enough that every solid looks for one partner and for one mesh around it: that one looks for what is around it,
+// too.
 void markMeeting(const Scene& scene, const std::vector<Solid>& solids, std::vector<bool>& marked) {
   if (solids.size() < 2) return;
-  const auto isMesh = [&](uint32_t solid) { return solids[solid].outer().sphere == kNoSolid; };
-  std::vector<BoxTree::Item> walls, bounds;
+  std::vector<BoxTree::Item> walls, meshes;
   for (uint32_t k = 0; k < solids.size(); ++k) {
-    bounds.push_back({solids[k].outer().box, k, 0});
+    const Surface& outer = solids[k].outer();
+    if (outer.sphere == kNoSolid) meshes.push_back({.box = outer.box, .owner = k, .index = 0, .volume = outer.volume});
     forPrimitives(scene, solids[k],
                   [&](uint32_t id, const Bounds& box) { walls.push_back({.box = box, .owner = k, .index = id}); });
   }
-  const BoxTree tree(walls), boundsTree(bounds);
-  for (const BoxTree::Item& item : bounds) {
-    if (marked[item.owner]) continue;
-    boundsTree.findMeeting(item.box, item.owner, [&](const BoxTree::Item& other) {
-      if (!(isMesh(other.owner) && holds(other.box, item.box)) && !(isMesh(item.owner) && holds(item.box, other.box)))
-        return false;
-      marked[item.owner] = marked[other.owner] = true;
-      return true;
-    });
+  const BoxTree tree(walls), meshTree(std::move(meshes));
+  for (uint32_t k = 0; k < solids.size(); ++k) {
+    const BoxTree::Item* const around =
+        meshTree.smallestHolding(solids[k].outer().box, 0, [&](const BoxTree::Item& mesh) { return mesh.owner != k; });
+    if (around) marked[k] = marked[around->owner] = true;
   }
   for (const BoxTree::Item& item : walls) {
     if (marked[item.owner]) continue;
@@ -516,8 +537,8 @@ double windingNumber(const Scene& scene, const Surface& surface, const dvec3& p)
 std::array<float, 11> valuesOf(const Material& m) {
   std::array<float, 11> values{};
   size_t i = 0;
-  for (const double value : {m.diffuse.x, m.diffuse.y, m.diffuse.z, m.specular.x, m.specular.y, m.specular.z, m.shininess,
-                             m.reflect, m.transmit, m.ior, m.localWeight})
+  for (const double value : {m.diffuse.x, m.diffuse.y, m.diffuse.z, m.specular.x, m.specular.y, m.specular.z,
+                             m.shininess, m.reflect, m.transmit, m.ior, m.localWeight})
     values[i++] = float(value);
   return values;
 }

@@ -15,9 +15,9 @@ namespace turner {
 inline constexpr uint32_t kNoSolid = UINT32_MAX;
 
 struct Solids {
-  // The material of each solid whose bounds or walls meet those of another, or that something opaque lies on so that only
-  // rounding separates them. In order of priority: where two overlap, the later one is seen. It is the smaller one by the
-  // volume within its outer surface; of equal ones that with the later primitives.
+  // The material of each solid whose bounds or walls meet those of another, or that something opaque lies on so that
+  // only rounding separates them. In order of priority: where two overlap, the later one is seen. It is the smaller one
+  // by the volume within its outer surface; of equal ones that with the later primitives.
   std::vector<uint32_t> materials;
   // Of each solid a number that it shares with those of the same glass, whose materials are equal but for their names.
   std::vector<uint32_t> glasses;

@@ -187,10 +187,17 @@ void reportOverlap(const Bench& bench, Random& random, const std::string& what, 
 
 // ---- Blocks that share a face ----
 
+struct Touching {
+  double ior, otherIor;
+  double gap = 0;        // between the blocks; what float32 cannot tell from nothing, or an overlap
+  double innermost = 0;  // index of a third block in the other, which shares the face; 0: there is none
+};
+
 // Two blocks, tilted, one of which has a larger face where they touch: in float32 the faces are in one plane but for
 // rounding. Light goes from one to the other as if there were nothing between them but the change of index. The eye is
 // in the block that it comes from, so that its solids are the rays'.
-void reportTouching(const Bench& bench, Random& random, double ior, double otherIor, Report& report) {
+void reportTouching(const Bench& bench, Random& random, const Touching& blocks, Report& report) {
+  const double ior = blocks.ior, seen = blocks.innermost > 0 ? blocks.innermost : blocks.otherIor;
   Both<Worst> error;
   Both<size_t> otherPath;
   const size_t total = bench.effort.rays(1e6, 2e4);
@@ -198,9 +205,11 @@ void reportTouching(const Bench& bench, Random& random, double ior, double other
     const dvec3 n = randomDirection(random), a = anywhereAcross(n, random), b = glm::cross(n, a);
     const dvec3 middle(uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1));
     Scene scene;
-    const uint32_t from = addGlass(scene, ior), to = addGlass(scene, otherIor);
-    addParallelepiped(scene, middle - 0.5 * (a + b) - n, a, b, n, from);
+    const uint32_t from = addGlass(scene, ior), to = addGlass(scene, blocks.otherIor);
+    addParallelepiped(scene, middle - 0.5 * (a + b) - (1 + blocks.gap) * n, a, b, n, from);
     addParallelepiped(scene, middle - 0.6 * (a + b), 1.2 * a, 1.2 * b, n, to);
+    if (blocks.innermost > 0)
+      addParallelepiped(scene, middle - 0.4 * (a + b), 0.8 * a, 0.8 * b, 0.5 * n, addGlass(scene, blocks.innermost));
     scene.camera = {.eye = middle - 0.5 * n, .target = middle + 0.75 * n, .up = a};
     bench.kernels.setScene(scene);
     std::vector<TestRay> rays;
@@ -214,17 +223,19 @@ void reportTouching(const Bench& bench, Random& random, double ior, double other
       const std::vector<Journey> journeys = followed(bench.kernels, rays, 1, tracer);
       for (size_t i = 0; i < count; ++i) {
         const dvec3 d = glm::normalize(dvec3(rays[i].direction));
-        const double sine = glm::length(glm::cross(d, n)) * ior / otherIor;
+        const double sine = glm::length(glm::cross(d, n)) * ior / seen;
         if (std::abs(sine - 1) < 1e-2) continue;  // the critical angle is case 29's
         const bool passes = sine < 1;
-        const bool seen = passes && ior != otherIor;  // of the same glass there is no wall
-        otherPath.of(tracer) += journeys[i].transmitted != seen || journeys[i].reflected == passes;
-        const dvec3 expected = passes ? bent(d, n, ior / otherIor) : d - 2 * glm::dot(d, n) * n;
+        const bool hasWall = ior != seen;  // of the same glass there is none
+        otherPath.of(tracer) += journeys[i].transmitted != (passes && hasWall) || journeys[i].reflected == passes;
+        const dvec3 expected = passes ? bent(d, n, ior / seen) : d - 2 * glm::dot(d, n) * n;
         error.of(tracer).add(angleBetween(dvec3(journeys[i].ray.direction), expected));
       }
     }
   });
-  const std::string what = fmt::format("block of index {:g} on one of {:g}", ior, otherIor);
+  std::string what = fmt::format("block of index {:g} on one of {:g}", ior, blocks.otherIor);
+  if (blocks.gap != 0) what += fmt::format(", {:g} apart", blocks.gap);
+  if (blocks.innermost > 0) what += fmt::format(" and one of {:g} in it", seen);
   report.atMost(fmt::format("{}: rays of {:.2g} on another path", what, double(total)), double(otherPath.turner), 0,
                 double(otherPath.naive));
   report.atMost(what + ": error of the direction, rad", error.turner.value, 1e-5, error.naive.value);
@@ -293,8 +304,14 @@ void solidsInSolids(const Bench& bench, Report& report) {
   reportOverlap(bench, random, "water overlaps glass by 1e-3", 1e-3, kWater, report);
   reportOverlap(bench, random, "water overlaps glass by 0.25", 0.25, kWater, report);
   reportOverlap(bench, random, "glass overlaps the same glass by 1e-3", 1e-3, kIor, report);
-  for (const auto& [ior, otherIor] : {std::pair{kIor, kWater}, {kWater, kIor}, {kIor, kIor}})
-    reportTouching(bench, random, ior, otherIor, report);
+  for (const Touching& blocks : {Touching{kIor, kWater},
+                                 {kWater, kIor},
+                                 {kIor, kIor},
+                                 {kIor, kWater, 1e-7},
+                                 {kIor, kWater, 5e-7},
+                                 {kIor, kWater, -5e-7},
+                                 {kIor, kWater, 0, 2}})
+    reportTouching(bench, random, blocks, report);
   reportEyeInside(bench, random, report);
   reportCoincidentPicture(bench, report);
 }
