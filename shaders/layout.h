@@ -218,10 +218,10 @@ TURNER_CONST kStateNodes = 8u;       // nodes visited by each kind of ray
 TURNER_CONST kStatePrimitives = 9u;  // primitives tested by each kind of ray
 TURNER_CONST kStateNodeStack = 10u;  // kMaxTreeDepth references, four in a row
 TURNER_CONST kStateSolids = 22u;     // that the ray in hand is in
-TURNER_CONST kStatePlace = 23u;      // walls in the place of the walk's best hit
-TURNER_CONST kStateHitPlace = 24u;   // in that of the ray's hit
-// x: the wall that the walk's best hit is on, y: how far its place reaches (float), z: hidden walls that the ray has
-// passed
+TURNER_CONST kStatePlace = 23u;      // walls that the walk has gathered
+TURNER_CONST kStateHitPlace = 24u;   // those in the place of the ray's hit
+// Floats: x: where the place begins whose walls the walk gathers, y: how far it reaches, w: t of the walk's hit; z:
+// hidden walls that the ray has passed.
 TURNER_CONST kStateWalls = 25u;
 // Rows for each level from 2 on: origin, leaving; direction, weight; where there are solids: those that the ray is in.
 TURNER_CONST kStateRayStack = 26u;

@@ -175,3 +175,46 @@ bool transmission(const Surface surface, const vec3 direction, const vec2 n, out
   if (passes && dot(T, surface.Ng) >= 0.0) passes = refracted(direction, surface.Ng, n, T);
   return passes;
 }
+
+// --- glass in glass ---
+// What a solid is made of, 0 for air: the row of its material that holds its index of refraction and its glass.
+Row mediumOf(const uint solid) {
+  Row row = ROW(materials, kMaterialRows * solid + kMaterialOther);
+  return solid == 0u ? Row(0u, floatBitsToUint(1.0), 0u, 0u) : row;
+}
+
+// A ray's way through all walls in one place.
+struct Crossing {
+  uvec4 beyond;  // the solids that it is in behind them
+  bool hidden;   // there is the same glass on both sides: no wall is to be seen
+  vec2 n;        // index of refraction behind over that before, the sum of two floats
+};
+
+// The ray is in `solids` and meets `walls` on a surface of this material. The sets are what is true: to enter a solid once
+// more, or to leave it again, changes nothing. Nothing goes on through an opaque surface.
+Crossing crossWalls(const uvec4 solids, const uvec4 allWalls, const MaterialRows material, const bool front) {
+  uvec4 walls = transmittance(material) > 0.0 ? allWalls : uvec4(0u), beyond = solids;
+  uint i = 0u;
+  do {
+    uint wall = numberAt(walls, i);
+    if (wall != 0u && (wall & kWallFront) == 0u) beyond = without(beyond, wall);
+    ++i;
+  } while (i < kMaxWalls && numberAt(walls, i) != 0u);
+  i = 0u;
+  do {
+    uint wall = numberAt(walls, i), solid = wall & ~kWallFront;
+    // At a thin edge a ray may meet both sides of a solid at once: in the end it is out.
+    if ((wall & kWallFront) != 0u && !has(walls, solid)) beyond = withSolid(beyond, solid);
+    ++i;
+  } while (i < kMaxWalls && numberAt(walls, i) != 0u);
+
+  Row before = mediumOf(seenOf(solids)), behind = mediumOf(seenOf(beyond));
+  bool isSolid = material.other.w != 0u;
+  // What is no solid that matters: glass on its back, on its front whatever is there.
+  if (!isSolid) {
+    before.y = front ? before.y : material.other.y;
+    behind.y = front ? material.other.y : behind.y;
+  }
+  vec2 n = wideProduct(vec2(uintBitsToFloat(behind.y), 0), wideReciprocal(uintBitsToFloat(before.y)));
+  return Crossing(beyond, isSolid && before.w == behind.w, n);
+}

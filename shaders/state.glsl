@@ -39,7 +39,7 @@ void beginWork() {
   hitPlace = solids = uvec4(0u);
   hiddenWalls = 0u;
   light = 0u;
-  walk = Walk(kRefNone, 0u, 0.0, kRefNone, 0u, uvec3(0u), 0u, 0.0, uvec4(0u));
+  walk = Walk(kRefNone, 0u, 0.0, kRefNone, 0u, uvec3(0u), 0.0, 0.0, 0.0, uvec4(0u));
   raysSpawned = nodesVisited = primitivesVisited = Row(0u);
 }
 
@@ -73,9 +73,10 @@ void takeUpWork(const uint slot) {
   walk.place = SOLIDS ? state[stateRow(kStatePlace, slot)] : uvec4(0u);
   hitPlace = SOLIDS ? state[stateRow(kStateHitPlace, slot)] : uvec4(0u);
   row = SOLIDS ? state[stateRow(kStateWalls, slot)] : Row(0u);
-  walk.wall = row.x;
+  walk.first = uintBitsToFloat(row.x);
   walk.apart = uintBitsToFloat(row.y);
   hiddenWalls = row.z;
+  walk.hitT = uintBitsToFloat(row.w);
   raysSpawned = COUNTERS ? state[stateRow(kStateRays, slot)] : Row(0u);
   nodesVisited = COUNTERS ? state[stateRow(kStateNodes, slot)] : Row(0u);
   primitivesVisited = COUNTERS ? state[stateRow(kStatePrimitives, slot)] : Row(0u);
@@ -93,7 +94,7 @@ void putWorkAway(const uint slot) {
     state[stateRow(kStateSolids, slot)] = solids;
     state[stateRow(kStatePlace, slot)] = walk.place;
     state[stateRow(kStateHitPlace, slot)] = hitPlace;
-    state[stateRow(kStateWalls, slot)] = Row(walk.wall, floatBitsToUint(walk.apart), hiddenWalls, 0u);
+    state[stateRow(kStateWalls, slot)] = Row(floatBitsToUint(walk.first), floatBitsToUint(walk.apart), hiddenWalls, floatBitsToUint(walk.hitT));
   }
 }
 
@@ -134,6 +135,7 @@ void popRay(const uint slot) {
   ray = Ray(xyz(origin), xyz(direction), origin.w);
   weight = uintBitsToFloat(direction.w);
   if (SOLIDS) solids = state[stateRow(row + 2u, slot)];
+  hiddenWalls = 0u;
   rayKind = kRefracted;  // a reflected ray is never the one that waits
 }
 

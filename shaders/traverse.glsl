@@ -8,27 +8,32 @@ struct Walk {
   uint hit;    // the best primitive so far (kind and place), or kRefNone
   uint order;  // its precedence
   uvec3 list;  // the rest of its list: next entry, end, and where pairs begin if spheres come first
-  // Of the best hit, where solids touch:
-  uint wall;    // the wall of a solid that it is on, or 0 (solids.glsl)
-  float apart;  // how far from its t another wall may be that is in the same place
-  uvec4 place;  // the walls there
+  // Where solids touch, a second walk gathers all that is in one place with the nearest hit.
+  float first;  // t of that hit
+  float apart;  // how far the place reaches behind it; 0: the nearest hit is still looked for, and hitT is tMax
+  float hitT;   // then t of the best hit in the place, which is the one of the lowest precedence; before, how far the
+                // place of the nearest hit will reach, 0 if that is no wall of a solid
+  uvec4 place;  // the walls there (solids.glsl)
 };
 
 // References still to be visited. A path through the tree leaves at most one on each level.
 uint nodeStack[kMaxTreeDepth];
 
 // A ray from anywhere walks the whole tree.
-Walk walkFromRoot() { return Walk(root, 0u, kNoHit, kRefNone, 0u, uvec3(0u), 0u, 0.0, uvec4(0u)); }
+Walk walkFromRoot() { return Walk(root, 0u, kNoHit, kRefNone, 0u, uvec3(0u), 0.0, 0.0, 0.0, uvec4(0u)); }
+
+// Goes through the tree once more, for all that is in one place with the nearest hit.
+Walk walkThroughPlace(const Walk nearest) {
+  float apart = nearest.hitT;
+  return Walk(root, 0u, nearest.tMax + apart, kRefNone, kRefNone, uvec3(0u), nearest.tMax, apart, nearest.tMax, uvec4(0u));
+}
 
 // A ray through the middle of a cube walks the list of its cell.
 Walk walkAlongList(const uvec3 list, const float tMax) {
-  return Walk(kRefNext, 0u, tMax, kRefNone, 0u, list, 0u, 0.0, uvec4(0u));
+  return Walk(kRefNext, 0u, tMax, kRefNone, 0u, list, 0.0, 0.0, 0.0, uvec4(0u));
 }
 
 uint unitsOf(const bool isPair) { return isPair ? kPairUnits : kSphereUnits; }
-
-// How far away a hit may be that still matters.
-float reachOf(const Walk walk) { return SOLIDS ? walk.tMax + walk.apart : walk.tMax; }
 
 bool isOver(const Walk walk) { return walk.next == kRefNone; }
 
@@ -74,11 +79,10 @@ void visitNode(const Ray ray, const RayFactors factors, inout Walk walk) {
   // t of a plane is (origin + byte * scale - ray.origin) / direction.
   vec3 scale = uintBitsToFloat((uvec3(origin.w) << uvec3(23u, 15u, 7u)) & 0x7f800000u) * factors.inverse;
   vec3 start = (xyz(origin) - ray.origin) * factors.inverse;
-  float tMax = reachOf(walk);
   float enter0 = enterBox(planesAt(planes.xyz, factors.nearShift) * scale + start,
-                          planesAt(planes.xyz, 8u - factors.nearShift) * scale + start, tMax);
+                          planesAt(planes.xyz, 8u - factors.nearShift) * scale + start, walk.tMax);
   float enter1 = enterBox(planesAt(planes.xyz, factors.nearShift + 16u) * scale + start,
-                          planesAt(planes.xyz, 24u - factors.nearShift) * scale + start, tMax);
+                          planesAt(planes.xyz, 24u - factors.nearShift) * scale + start, walk.tMax);
 
   // The references of both children, see Node in layout.h.
   uint below = walk.next + 1u, tags = origin.w >> 24u;
@@ -170,24 +174,21 @@ bool visitShape(const Ray ray, const RayFactors factors, const uint shape, const
   if (SPHERES && !isPair) met = meetSphere(ray, factors, shape);
   if (TRIANGLES && isPair) met = meetPair(ray, factors, shape);
   bool taken = met.t < walk.tMax;
-  if (!anyHit) {
-    bool onePlace = met.t == walk.tMax && walk.hit != kRefNone;
-    if (SOLIDS && met.t < kNoHit && walk.hit != kRefNone && (met.wall | walk.wall) != 0u) {
-      // An opaque surface is no more than roundings away from what is in its place.
-      float share = met.wall != 0u && walk.wall != 0u ? 1.0 : 0.25;
-      onePlace = abs(met.t - walk.tMax) <= share * max(met.apart, walk.apart);
-    }
-    if (onePlace) taken = met.order < walk.order;
-    if (SOLIDS && taken && !onePlace) walk.place = uvec4(0u);
-    if (SOLIDS && (taken || onePlace)) walk.place = withWall(walk.place, met.wall);
+  if (!anyHit) taken = taken || (met.t == walk.tMax && walk.hit != kRefNone && met.order < walk.order);
+  bool gathers = SOLIDS && !anyHit && walk.apart > 0.0;
+  if (gathers) {
+    // What is no wall of a solid is no more than roundings away from what it touches.
+    bool inPlace = met.t <= walk.first + (met.wall != 0u ? walk.apart : 0.25 * walk.apart);
+    if (inPlace) walk.place = withWall(walk.place, met.wall);
+    taken = inPlace && met.order < walk.order;
+    if (taken) walk.hitT = met.t;
+  } else if (taken && !anyHit) {
+    walk.tMax = met.t;
+    // Of the nearest hit so far: whether it is a wall, and how far its place will reach.
+    if (SOLIDS) walk.hitT = met.wall != 0u ? met.apart : 0.0;
   }
   if (taken) walk.hit = met.primitive;
-  if (taken && !anyHit) {
-    walk.tMax = met.t;
-    walk.order = met.order;
-    walk.wall = met.wall;
-    walk.apart = met.apart;
-  }
+  if (taken && !anyHit) walk.order = met.order;
   both = met.both;
   if (COUNTERS) primitivesVisited[kind] += met.tested;
   return taken;
@@ -213,7 +214,7 @@ void walkTree(const Ray ray, const RayFactors factors, const bool anyHit, const 
   do {
     budget -= 3;  // this turn, and those of the loops inside that no lane takes
     if (walk.next == kRefNext) popNode(walk);
-    if (walk.next == kRefNext) takeEntry(walk, reachOf(walk) * reach);
+    if (walk.next == kRefNext) takeEntry(walk, walk.tMax * reach);
     if ((walk.next & kRefLeaf) == 0u && budget > 0) {
       do {
         --budget;
@@ -242,7 +243,7 @@ void walkShapes(const Ray ray, const RayFactors factors, const bool arePairs, co
     --budget;
     uvec2 entry = listEntry(walk.list.x);
     bool again = arePairs && walk.next != kRefNext;
-    bool within = again || uintBitsToFloat(entry.y) <= reachOf(walk) * reach;
+    bool within = again || uintBitsToFloat(entry.y) <= walk.tMax * reach;
     uint shape = again ? walk.next : entry.x & kRefPrimitive;
     if (!again) walk.list.x = within ? walk.list.x + 1u : end;
     walk.next = kRefNext;

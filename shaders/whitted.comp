@@ -94,7 +94,11 @@ void beginSample(const uvec2 pixel) {
 void findNearestHit(const RayFactors factors, inout int budget) {
   continueWalk(ray, factors, false, NEAREST_NODES, rayKind, abs(along(ray.direction, factors.axis)), walk, budget);
   if (!isOver(walk)) return;
-  hitT = walk.tMax;
+  if (SOLIDS && walk.apart == 0.0 && walk.hit != kRefNone && walk.hitT > 0.0) {
+    walk = walkThroughPlace(walk);
+    return;
+  }
+  hitT = SOLIDS && walk.apart > 0.0 ? walk.hitT : walk.tMax;
   hitPrimitive = walk.hit;
   hitPlace = walk.place;
   light = 0u;
@@ -199,7 +203,7 @@ void followRay(const uint slot, const uvec2 pixel, inout int budget) {
     MaterialRows material = materialRows(surface.material);
     Crossing crossing = Crossing(uvec4(0u), false, vec2(1, 0));
     if (SOLIDS) {
-      crossing = crossWalls(solids, hitPlace, material.other, surface.front);
+      crossing = crossWalls(solids, hitPlace, material, surface.front);
     } else if (REFRACTION) {
       crossing.n = indexBehind(surface, indexOfRefraction(material));
     }

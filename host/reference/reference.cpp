@@ -253,25 +253,23 @@ class World {
 
   // The nearest primitive on the ray; among those in the same place the one that comes first.
   Hit closest(const Ray& ray) const {
-    Hit hit;
-    double apart = 0;  // how far along the ray the hit's place reaches
-    forCandidates(ray, hit.t, [&](uint32_t id) {
+    Hit nearest;
+    forCandidates(ray, nearest.t, [&](uint32_t id) {
       const double t = hitPrimitive(ray, id);
-      if (t == kFarAway) return hit.t + apart;
-      const bool isWall = solidOf(id) != kNoSolid, hitIsWall = solidOf(hit.id) != kNoSolid;
-      const double itsApart = isWall ? apartAlong(ray, t, id) : 0;
-      // An opaque surface is no more than roundings away from what is in its place.
-      const double share = isWall && hitIsWall ? 1 : 0.25;
-      const bool samePlace = hit.id != kNothing && std::abs(t - hit.t) <= share * std::max(apart, itsApart);
-      const bool taken = samePlace ? comesFirst(id, hit.id) : t < hit.t;
-      if (taken && !samePlace) hit.place.clear();
-      if ((taken || samePlace) && isWall) hit.place.push_back(id);
-      if (taken) {
-        hit.t = t;
-        hit.id = id;
-        apart = itsApart;
-      }
-      return hit.t + apart;
+      if (t < nearest.t || (t == nearest.t && t < kFarAway && comesFirst(id, nearest.id))) nearest = {t, id, {}};
+      return nearest.t;
+    });
+    if (solidOf(nearest.id) == kNoSolid) return nearest;
+    // All that is in one place with it, no more than roundings away where it is no wall of a solid; the first is hit.
+    const double apart = apartAlong(ray, nearest.t, nearest.id);
+    Hit hit = nearest;
+    forCandidates(ray, nearest.t + apart, [&](uint32_t id) {
+      const double t = hitPrimitive(ray, id);
+      const bool isWall = solidOf(id) != kNoSolid;
+      if (t > nearest.t + (isWall ? apart : 0.25 * apart)) return nearest.t + apart;
+      if (isWall) hit.place.push_back(id);
+      if (comesFirst(id, hit.id)) hit.t = t, hit.id = id;
+      return nearest.t + apart;
     });
     return hit;
   }
@@ -303,6 +301,14 @@ class World {
     }
     if (glm::dot(surface.Ns, V) <= 0) surface.Ns = surface.Ng;
     return surface;
+  }
+
+  // Whether the ray that hits a wall of a solid there enters it. By the triangle as a whole, whose vertex normals may
+  // look to both sides.
+  bool entersSolid(const Ray& ray, double t, uint32_t id) const {
+    if (id < scene.spheres.size()) return surfaceAt(ray, {t, id, {}}).front;
+    const size_t index = id - scene.spheres.size();
+    return facing(scene, scene.triangles[index]) * glm::dot(faceNormals[index], ray.direction) < 0;
   }
 
   const Scene& scene;
@@ -505,8 +511,7 @@ class Tracer {
     Crossing result{inside, 1};
     for (const bool enters : {true, false})
       for (const uint32_t id : hit.place)
-        if (world.surfaceAt(ray, {hit.t, id, {}}).front == enters)
-          enterOrLeave(result.behind, world.solidOf(id), enters);
+        if (world.entersSolid(ray, hit.t, id) == enters) enterOrLeave(result.behind, world.solidOf(id), enters);
     const double own = surface.material->ior;
     if (world.solidOf(surface.id) != kNoSolid) {
       result.ratio = indexIn(inside) / indexIn(result.behind);

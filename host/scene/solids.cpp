@@ -99,7 +99,7 @@ class PointNumbers {
           }
     }
     const uint32_t number = uint32_t(numbers_.size());
-    numbers_.insert({cellOf(p, level), {p, number}});
+    numbers_.insert({cellOf(p, levelOf(p, 1)), {p, number}});
     return number;
   }
 

@@ -30,9 +30,9 @@ struct Solids {
 };
 
 // `scene` is the exact one, or the result of roundScene.
+Solids touchingSolids(const Scene& scene);
+
 // The side of a triangle that is its front: 1 by its winding, -1 where its vertex normals look to the other side.
 double facing(const Scene& scene, const Triangle& triangle);
-
-Solids touchingSolids(const Scene& scene);
 
 }  // namespace turner

@@ -269,9 +269,10 @@ PackedScene packScene(const Shapes& shapes, const Bvh& bvh, const RenderSettings
     throw RunError("the tree is " + std::to_string(bvh.depth) + " nodes deep, more than the kernel's stack holds");
 
   if (!shapes.solids.empty() && local.materials.size() > gpu::kMaxMaterials)
-    throw InputError(std::to_string(shapes.solids.materials.size()) +
-                     " solids of glass overlap or touch each other; the kernel can number " +
-                     std::to_string(gpu::kMaxMaterials - shapes.firstSolid) + "; use --backend reference");
+    throw InputError("the scene has " + std::to_string(shapes.firstSolid) + " materials and " +
+                     std::to_string(shapes.solids.materials.size()) +
+                     " solids of glass that overlap or touch; the kernel can number " +
+                     std::to_string(gpu::kMaxMaterials) + " of both; use --backend reference");
 
   PackedScene packed;
   packed.features = featuresOf(local);

@@ -377,7 +377,8 @@ void ShaderRenderer::Parts::Passes::traceTile(gpu::Tile tile, const Progress& pr
       if (last.solidsLost > 0)
         throw RunError(
             "a ray was in more than " + std::to_string(gpu::kMaxSolids) +
-            " solids of glass at once, or passed more than " + std::to_string(gpu::kMaxHiddenWalls) +
+            " solids of glass at once, met more of their walls in one place, or passed more than " +
+            std::to_string(gpu::kMaxHiddenWalls) +
             " walls hidden in others; the picture would be wrong and is not written; use --backend reference");
       // What of this pass is still to be dispatched waits as before.
       const double toCome = 1 - double(tile.firstGroup + tile.groups) / double(allGroups);

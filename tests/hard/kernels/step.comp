@@ -46,12 +46,18 @@ void main() {
     continueWalk(ray, factors, true, true, 0u, 1.0, walk, budget);
   else
     continueWalk(ray, factors, false, true, 0u, 1.0, walk, budget);
+  float t = walk.tMax;
+  if (SOLIDS && end == 0.0 && walk.hit != kRefNone && walk.hitT > 0.0) {
+    walk = walkThroughPlace(walk);
+    continueWalk(ray, factors, false, true, 0u, 1.0, walk, budget);
+    t = walk.hitT;
+  }
 
   Surface surface = Surface(vec3(0), vec3(0), vec3(0), false, false, 0.0, 0u);
   Ray leaving = Ray(vec3(0), vec3(0), kRefNone);
   bool leaves = false, hidden = false;
   if (walk.hit != kRefNone && end == 0.0) {
-    surface = surfaceAt(ray, factors, walk.tMax, walk.hit);
+    surface = surfaceAt(ray, factors, t, walk.hit);
     if (next.w == kNextDirection) {
       leaving = leaveSurface(surface, walk.hit, xyz(next), dot(xyz(next), surface.Ng) > 0.0);
       leaves = true;
@@ -69,7 +75,7 @@ void main() {
       MaterialRows material = materialRows(surface.material);
       vec2 n = indexBehind(surface, indexOfRefraction(material));
       if (SOLIDS) {
-        Crossing crossing = crossWalls(solids, walk.place, material.other, surface.front);
+        Crossing crossing = crossWalls(solids, walk.place, material, surface.front);
         hidden = crossing.hidden;
         n = crossing.n;
         solids = crossing.beyond;
@@ -81,7 +87,7 @@ void main() {
   uint flags = (isOver(walk) && !solidsLost ? 0u : kFoundUnfinished) | (hidden ? kFoundHidden : 0u) |
                (surface.front ? kFoundFront : 0u) | (leaves ? kFoundLeaves : 0u);
   uint row = kFoundRows * i;
-  found[row + kFoundHit] = Row(floatBitsToUint(walk.tMax), walk.hit, walk.order, flags);
+  found[row + kFoundHit] = Row(floatBitsToUint(t), walk.hit, walk.order, flags);
   found[row + kFoundPoint] = packRow(surface.point, floatBitsToUint(surface.margin));
   found[row + kFoundNg] = packRow(surface.Ng, surface.material);
   found[row + kFoundNs] = packRow(surface.Ns, 0u);
