@@ -5,12 +5,14 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 #include <vector>
 
 #include "closed_form.h"
 #include "errors.h"
+#include "reference/reference.h"
 #include "shader/round_scene.h"
 #include "shader_harness.h"
 
@@ -241,6 +243,61 @@ TEST(Solids, MillionsAreNoTrouble) {
   EXPECT_EQ(solidsOf(scene), 150000u);
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
   EXPECT_LT(seconds.count(), 60) << "3 s by the logarithm, minutes by the square";
+}
+
+// How many values of two pictures differ by more than this.
+size_t differences(const Image& a, const Image& b, float most) {
+  size_t count = 0;
+  for (size_t i = 0; i < a.rgb.size(); ++i) count += !(std::abs(a.rgb[i] - b.rgb[i]) <= most);
+  return count;
+}
+
+// Blocks and films that are thinner than float32 can tell, tilted: the tree and the file's order decide nothing, and
+// shader and reference agree.
+TEST(Solids, FilmsBetweenBlocksInAnyOrder) {
+  const dvec3 x = glm::normalize(dvec3(1, 0.3, -0.4)), y = glm::normalize(glm::cross(dvec3(0.2, 0, 1), x)),
+              z = glm::cross(x, y);
+  for (const double film : {2e-6, 1e-5}) {
+    Image first;
+    for (const bool reversed : {false, true}) {
+      Scene scene = emptyScene();
+      scene.background = {0.5, 0.75, 1};
+      scene.camera = {.eye = 4.0 * z + 1.5 * y, .target = {0, 0, 0}, .fov = 40};
+      const double tops[] = {-1, 0, film, 2 * film, 1};
+      const double indices[] = {1.5, 1.25, 2, 1.75};
+      for (int k = 0; k < 4; ++k) scene.materials.push_back(glass(0.02 * k, 0.9, indices[k]));
+      for (int i = 0; i < 4; ++i) {
+        const int k = reversed ? 3 - i : i;
+        addParallelepiped(scene, -x - z + tops[k] * y, 2.0 * x, (tops[k + 1] - tops[k]) * y, 2.0 * z, uint32_t(4 + k));
+      }
+      const RenderSettings settings = test::settingsOf(scene, 64, 64);
+      const Image picture = test::renderShader(scene, settings);
+      const Image witness = renderReference(roundScene(scene), settings).image;
+      EXPECT_LE(differences(picture, witness, 1e-3f), 3u * 4) << film << " reversed " << reversed;
+      if (reversed) {
+        EXPECT_LE(differences(picture, first, 1e-3f), 3u * 4) << film;
+      }
+      first = picture;
+    }
+  }
+}
+
+// Vertex normals that turn over within a triangle do not change what is inside.
+TEST(Solids, SidesAreThoseOfWholeTriangles) {
+  Scene scene = emptyScene();
+  scene.background = {0.5, 0.75, 1};
+  scene.camera = {.eye = {2, 3, 6}, .target = {0, 0, 0}, .fov = 40};
+  addBox(scene, dvec3(-1), dvec3(1), kGlass);
+  for (Triangle& triangle : scene.triangles) {
+    const auto& [a, b, c] = triangle.vertices;
+    const dvec3 n = glm::cross(b - a, c - a);
+    triangle.normals = uint32_t(scene.normals.size());
+    scene.normals.push_back({n, n, -n});
+  }
+  scene.spheres = {{{0, 0, 0}, 0.5, kWater}};
+  const RenderSettings settings = test::settingsOf(scene, 64, 64);
+  EXPECT_LE(differences(test::renderShader(scene, settings), renderReference(roundScene(scene), settings).image, 1e-3f),
+            3u * 4);
 }
 
 // Pictures in which a ray is in more solids than the kernel has room for are not made.
