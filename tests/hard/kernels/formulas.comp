@@ -15,6 +15,7 @@ vec3 xyz(const Row row) { return uintBitsToFloat(row.xyz); }
 
 #include "../../../shaders/fetch.glsl"
 #include "../../../shaders/numerics.glsl"
+#include "../../../shaders/solids.glsl"
 #include "../../../shaders/intersect.glsl"
 #include "../../../shaders/shade.glsl"
 
