@@ -22,6 +22,11 @@ uint nodeStack[kMaxTreeDepth];
 // A ray from anywhere walks the whole tree.
 Walk walkFromRoot() { return Walk(root, 0u, kNoHit, kRefNone, 0u, uvec3(0u), 0.0, 0.0, 0.0, uvec4(0u)); }
 
+// Whether the walk has found a nearest hit on a wall of a solid, and not yet what else is in its place.
+bool lacksPlace(const Walk walk) {
+  return SOLIDS && walk.apart == 0.0 && walk.hit != kRefNone && walk.hitT > 0.0;
+}
+
 // Goes through the tree once more, for all that is in one place with the nearest hit.
 Walk walkThroughPlace(const Walk nearest) {
   float apart = nearest.hitT;

@@ -94,7 +94,7 @@ void beginSample(const uvec2 pixel) {
 void findNearestHit(const RayFactors factors, inout int budget) {
   continueWalk(ray, factors, false, NEAREST_NODES, rayKind, abs(along(ray.direction, factors.axis)), walk, budget);
   if (!isOver(walk)) return;
-  if (SOLIDS && walk.apart == 0.0 && walk.hit != kRefNone && walk.hitT > 0.0) {
+  if (lacksPlace(walk)) {
     walk = walkThroughPlace(walk);
     return;
   }

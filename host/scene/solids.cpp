@@ -16,6 +16,10 @@
 
 namespace turner {
 
+bool hasGlass(const Scene& scene) {
+  return std::any_of(scene.materials.begin(), scene.materials.end(), [](const Material& m) { return m.transmit > 0; });
+}
+
 double facing(const Scene& scene, const Triangle& triangle) {
   if (triangle.normals == kNoNormals) return 1;
   const auto& [a, b, c] = triangle.vertices;
@@ -87,7 +91,7 @@ class PointNumbers {
     // The tolerance goes with the distance from the origin, by powers of two. Most points look into one cell of 16
     // tolerances on a side.
     const int level = levelOf(p, 1 - 1e-5), lastLevel = levelOf(p, 1 + 1e-5);
-    for (const int l : {level, lastLevel}) {
+    for (int l = level; l <= lastLevel; ++l) {
       const double tolerance = toleranceAt(l);
       const Cell lo = cellOf(p - tolerance, l), hi = cellOf(p + tolerance, l);
       for (int64_t x = lo[0]; x <= hi[0]; ++x)
@@ -199,10 +203,6 @@ void addClosedSurfaces(const Scene& scene, const std::vector<uint32_t>& triangle
     if (surface.volume != 0) surfaces.push_back(surface);
     surface.triangles.clear();
   }
-}
-
-bool hasGlass(const Scene& scene) {
-  return std::any_of(scene.materials.begin(), scene.materials.end(), [](const Material& m) { return m.transmit > 0; });
 }
 
 std::vector<Surface> closedSurfaces(const Scene& scene) {

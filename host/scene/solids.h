@@ -32,6 +32,9 @@ struct Solids {
 // `scene` is the exact one, or the result of roundScene.
 Solids touchingSolids(const Scene& scene);
 
+// Whether any material transmits light.
+bool hasGlass(const Scene& scene);
+
 // The side of a triangle that is its front: 1 by its winding, -1 where its vertex normals look to the other side.
 double facing(const Scene& scene, const Triangle& triangle);
 

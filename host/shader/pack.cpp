@@ -237,9 +237,7 @@ std::vector<uint> precedences(const Shapes& shapes) {
     if (material >= shapes.firstSolid) return uint(scene.materials.size()) + 1 - material;
     return scene.materials[material].transmit > 0 ? 1u : 0u;
   };
-  const bool anyGlass =
-      std::any_of(scene.materials.begin(), scene.materials.end(), [](const Material& m) { return m.transmit > 0; });
-  if (!anyGlass) {
+  if (!hasGlass(scene)) {
     std::iota(result.begin(), result.end(), 0u);
     return result;
   }

@@ -47,7 +47,7 @@ void main() {
   else
     continueWalk(ray, factors, false, true, 0u, 1.0, walk, budget);
   float t = walk.tMax;
-  if (SOLIDS && end == 0.0 && walk.hit != kRefNone && walk.hitT > 0.0) {
+  if (end == 0.0 && lacksPlace(walk)) {
     walk = walkThroughPlace(walk);
     continueWalk(ray, factors, false, true, 0u, 1.0, walk, budget);
     t = walk.hitT;
