@@ -20,7 +20,7 @@ struct RunError : std::runtime_error {
 
 // Ctrl-C. Exit code 130.
 struct Interrupted : std::runtime_error {
-  Interrupted() : std::runtime_error("interrupted; nothing was written") {}
+  explicit Interrupted(const std::string& what = "interrupted; nothing was written") : std::runtime_error(what) {}
 };
 
 }  // namespace turner

@@ -32,6 +32,8 @@ int run(int argc, char** argv) {
       return runRender(line.render);
     case CommandKind::compare:
       return runCompare(line.compare, line.render);
+    case CommandKind::report:
+      return runReport(line.report);
     case CommandKind::devices:
       return runDevices(line.devicesAsJson);
     case CommandKind::printed:

@@ -67,7 +67,7 @@ TURNER_CONST kSpecHighlights = 7u;
 TURNER_CONST kSpecReflection = 8u;
 TURNER_CONST kSpecRefraction = 9u;
 TURNER_CONST kSpecFalloff = 10u;       // a light with inverse-square fall-off
-TURNER_CONST kSpecJitter = 11u;        // hashed positions instead of cell centres
+TURNER_CONST kSpecSampler = 11u;       // where samples lie, kGrid, kJitter or kSobol; not a boolean
 TURNER_CONST kSpecCounters = 12u;      // count rays, nodes and primitives
 TURNER_CONST kSpecNearestNodes = 13u;  // walks for the nearest hit meet nodes, not only primitives
 TURNER_CONST kSpecShadowNodes = 14u;   // shadow rays do
@@ -76,7 +76,17 @@ TURNER_CONST kSpecFresh = 16u;         // the first pass over a tile: there is n
 TURNER_CONST kSpecNearSpheres = 17u;   // a sphere whose surface the eye is near; a boolean
 TURNER_CONST kSpecFarSpheres = 18u;    // a sphere that is many radii away from the eye; a boolean
 TURNER_CONST kSpecSolids = 19u;        // solids of glass that overlap or touch; a boolean
-TURNER_CONST kSpecCount = 20u;
+// The prime factors of n in ascending order, a byte each from the lowest on, in two words, as sobol needs them; else 0.
+TURNER_CONST kSpecRadicesLow = 20u;
+TURNER_CONST kSpecRadicesHigh = 21u;
+TURNER_CONST kSpecCount = 22u;
+
+// Samplers, as the kernel numbers them.
+TURNER_CONST kGrid = 0u;
+TURNER_CONST kJitter = 1u;
+TURNER_CONST kSobol = 2u;
+// Hashed in place of a sample's index where all samples of a pixel share the random words; beyond every index.
+TURNER_CONST kStripSeed = 0x10000u;
 
 // --- bindings -------------------------------------------------------------------------------------------------------
 TURNER_CONST kBindFrame = 0u;

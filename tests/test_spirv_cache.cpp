@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "errors.h"
+#include "picture/cache_folder.h"
 #include "shader/glsl.h"
 #include "shader/shader_sources.h"
 #include "shader/spirv_cache.h"
@@ -396,19 +397,19 @@ TEST_F(SpirvCache, TheKeyHoldsCompilerNamesAndTexts) {
 TEST_F(SpirvCache, TheFolderFollowsTheEnvironment) {
   const Variable user("HOME", "/home/somebody");
   home.set("/some/cache");
-  EXPECT_EQ(spirvCacheFolder(), "/some/cache/turner");
+  EXPECT_EQ(cacheFolder(), "/some/cache/turner");
   for (const char* unusable : {"", "relative"}) {
     home.set(unusable);
-    EXPECT_EQ(spirvCacheFolder(), "/home/somebody/.cache/turner");
+    EXPECT_EQ(cacheFolder(), "/home/somebody/.cache/turner");
   }
   home.set(nullptr);
-  EXPECT_EQ(spirvCacheFolder(), "/home/somebody/.cache/turner");
+  EXPECT_EQ(cacheFolder(), "/home/somebody/.cache/turner");
   for (const char* unusable : {"relative", ""}) {
     user.set(unusable);
-    EXPECT_EQ(spirvCacheFolder(), "");
+    EXPECT_EQ(cacheFolder(), "");
   }
   user.set(nullptr);
-  EXPECT_EQ(spirvCacheFolder(), "");
+  EXPECT_EQ(cacheFolder(), "");
   EXPECT_FALSE(compileGlsl(shader).words.empty());
 }
 

@@ -100,9 +100,11 @@ void addRenderOptions(CLI::App& command, RenderOptions& options) {
              "n of the n x n samples in each pixel (default: 1)");
   addInteger(command, "--depth", options.depth, 1, kMaxDepth,
              "Levels of the ray tree; the eye ray is level 1 (default: the scene's)");
-  addChoice<Sampler>(command, "--sampler", options.sampler, {{"grid", Sampler::grid}, {"jitter", Sampler::jitter}},
-                     "Where samples lie: at cell centres, or hashed inside the cells (default: grid)");
-  addInteger(command, "--seed", options.seed, 0, UINT32_MAX, "Seed of the jitter (default: 0)");
+  addChoice<Sampler>(command, "--sampler", options.sampler,
+                     {{"grid", Sampler::grid}, {"jitter", Sampler::jitter}, {"sobol", Sampler::sobol}},
+                     "Where samples lie: at cell centres, hashed inside the cells, or spread evenly as well along each "
+                     "axis (default: grid)");
+  addInteger(command, "--seed", options.seed, 0, UINT32_MAX, "Seed of jitter and sobol (default: 0)");
   addNumber(command, "--min-weight", options.minWeight, 1,
             "Drop rays whose product of r and t factors is below this (default: 0)");
   addChoice<Geometry>(command, "--geometry", options.geometry,
@@ -161,6 +163,33 @@ void addCompare(CLI::App& app, CompareOptions& options, RenderOptions& render) {
   addRenderOptions(*command, render);
 }
 
+void addReport(CLI::App& app, ReportOptions& options) {
+  CLI::App* command = app.add_subcommand(
+      "report", "Measure speed against error: samplers, samples, depths and least weights on every device");
+  command->add_option("SCENES", options.scenes, "One or more .json or .nff scenes")->required();
+  addText(*command, "-o,--output", options.output, "DIR",
+          "Folder for report.html, report.json and report.csv (default: report)");
+  CLI::Option* quick = command->add_flag("--quick", options.quick,
+                                         "At most 8 x 8 samples, 65536 pixels and 3 repeats: some minutes (default)");
+  command->add_flag("--full", options.full, "At most 16 x 16 samples, the scene's own size, 10 repeats")
+      ->excludes(quick);
+  addInteger(*command, "--max-samples", options.maxSamples, 1, kMaxSamples,
+             "Most samples n of n x n (default: 8, with --full 16)");
+  addInteger(*command, "--repeats", options.repeats, 1, 1000,
+             "Measurements of each point, each with a seed of its own (default: 3, with --full 10)");
+  addInteger(*command, "--width", options.width, 1, kMaxSize,
+             "Width of the pictures in pixels; without --height that follows (default: the scene's)");
+  addInteger(*command, "--height", options.height, 1, kMaxSize, "Height of the pictures in pixels");
+  addInteger(*command, "--depth", options.depth, 1, kMaxDepth,
+             "Levels of the ray tree, the most that is measured (default: the scene's)");
+  addText(*command, "--crop", options.crop, "x0,y0,x1,y1", "Measure only the pixels x0 <= x < x1, y0 <= y < y1");
+  addText(*command, "--device", options.device, "N|NAME",
+          "Measure on this Vulkan device and the reference only (default: on all)");
+  addText(*command, "--shaders", options.shaders, "DIR", "Folder of the kernel's sources (default: turner's own)");
+  command->add_flag("--exr", options.keepExr, "Keep the pictures as EXR, in DIR/pictures");
+  command->add_flag("--quiet", options.quiet, "Print nothing but errors");
+}
+
 // --- words that are not known ---
 
 std::string didYouMean(const std::string& word, const std::vector<std::string>& known, const std::string& help) {
@@ -172,7 +201,7 @@ std::string didYouMean(const std::string& word, const std::vector<std::string>& 
 void checkFirstWord(const CLI::App& app, int argc, char** argv) {
   std::vector<std::string> known = {"--help", "--version"};
   for (const CLI::App* command : app.get_subcommands({})) known.push_back(command->get_name());
-  if (argc < 2) throw InputError("name a command: render, compare or devices; turner --help tells more");
+  if (argc < 2) throw InputError("name a command: render, compare, report or devices; turner --help tells more");
   const std::string word = argv[1];
   if (word == "-h" || std::find(known.begin(), known.end(), word) != known.end()) return;
   throw InputError(fmt::format("unknown {} '{}'; {}", word.starts_with('-') ? "argument" : "command", word,
@@ -199,6 +228,7 @@ CommandLine parseCommandLine(int argc, char** argv) {
   app.require_subcommand(1);
   addRender(app, line.render);
   addCompare(app, line.compare, line.render);
+  addReport(app, line.report);
   CLI::App* devices = app.add_subcommand("devices", "List the Vulkan devices");
   devices->add_flag("--json", line.devicesAsJson, "Print as JSON");
 
@@ -220,6 +250,7 @@ CommandLine parseCommandLine(int argc, char** argv) {
 
   if (app.got_subcommand("render")) line.kind = CommandKind::render;
   if (app.got_subcommand("compare")) line.kind = CommandKind::compare;
+  if (app.got_subcommand("report")) line.kind = CommandKind::report;
   if (app.got_subcommand("devices")) line.kind = CommandKind::devices;
   const CompareOptions& compare = line.compare;
   if (compare.files.size() == 1) line.render.scene = compare.files[0];

@@ -12,7 +12,7 @@
 
 namespace turner {
 
-enum class CommandKind { render, compare, devices, printed };
+enum class CommandKind { render, compare, report, devices, printed };
 enum class Backend { shader, reference };
 enum class Geometry { exact, rounded };
 
@@ -43,10 +43,21 @@ struct CompareOptions {
   bool decompose = false, envelope = false;  // of a scene only
 };
 
+struct ReportOptions {
+  std::vector<std::string> scenes;
+  std::string output = "report";  // a folder
+  bool quick = false, full = false;
+  std::optional<int> maxSamples, repeats;
+  std::optional<int> width, height, depth;
+  std::string device, crop, shaders;
+  bool keepExr = false, quiet = false;
+};
+
 struct CommandLine {
   CommandKind kind = CommandKind::printed;  // printed: help or version, already shown
   RenderOptions render;
   CompareOptions compare;
+  ReportOptions report;
   bool devicesAsJson = false;
 };
 

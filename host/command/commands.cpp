@@ -24,9 +24,8 @@
 #include "reference/reference.h"
 #include "scene/scene_load.h"
 #include "scene/text_file.h"
-#include "shader/bvh.h"
 #include "shader/glsl.h"
-#include "shader/pack.h"
+#include "shader/prepare.h"
 #include "shader/render.h"
 #include "shader/round_scene.h"
 
@@ -131,8 +130,7 @@ Scene withoutGeometry(const Scene& scene) {
   return rest;
 }
 
-// A scene on its device: rounded -> tree -> packed -> uploaded. Of a large scene no step's value is kept beyond the
-// next.
+// A scene on its device: rounded -> tree -> packed -> uploaded.
 class UploadedScene {
  public:
   UploadedScene(Scene scene, const RenderSettings& settings, const RenderOptions& options)
@@ -149,12 +147,7 @@ class UploadedScene {
                  stats_.fetch);
 
     Stopwatch watch;
-    PackedScene packed = [&] {
-      Scene local = roundScene(std::move(scene));
-      checkReach(local);
-      const Shapes shapes = shapesOf(std::move(local));
-      return packScene(shapes, buildBvh(shapes.boxes, shapes.firstPair()), settings);
-    }();
+    PackedScene packed = prepareScene(std::move(scene), settings);
     stats_.treeNodes = packed.nodes.size();
     stats_.treeDepth = packed.treeDepth;
     stats_.geometryBytes = packed.bytes();

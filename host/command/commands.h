@@ -8,6 +8,7 @@ namespace turner {
 // Exit codes of a command that ran to its end; errors are thrown.
 int runRender(const RenderOptions& options);
 int runCompare(const CompareOptions& compare, const RenderOptions& render);
+int runReport(const ReportOptions& options);
 int runDevices(bool asJson);
 
 }  // namespace turner

@@ -33,7 +33,7 @@ void ProgressLine::operator()(double share) {
       fmt::format("{}: {:3.0f} %, {:.3g} Msamples/s, {:.0f} s left", what_, 100 * share, rate * 1e-6, left);
   // Spaces wipe what a longer line before has left.
   if (terminal_)
-    fmt::print(stderr, "\r{:<70}", text);
+    fmt::print(stderr, "\r{:<90}", text);
   else
     fmt::print(stderr, "{}\n", text);
   std::fflush(stderr);

@@ -14,6 +14,9 @@ class ProgressLine {
   ProgressLine(std::string what, double samples, bool quiet);
   ~ProgressLine();  // ends the line on a terminal
 
+  // Names the work anew.
+  void rename(const std::string& what) { what_ = what; }
+
   // Takes the share that is done; also the place where Ctrl-C is noticed (throws Interrupted).
   void operator()(double share);
 

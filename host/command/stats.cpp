@@ -1,78 +1,10 @@
 // One JSON object for each function, its keys in the order of the contract.
 #include "command/stats.h"
 
-#include <rapidjson/prettywriter.h>
-#include <rapidjson/stringbuffer.h>
-
-#include <type_traits>
+#include "json_text.h"
+#include "picture/figures_json.h"
 
 namespace turner {
-namespace {
-
-// Writes objects key by key.
-class JsonText {
- public:
-  JsonText() { writer_.SetIndent(' ', 2); }
-
-  template <class Fill>
-  void object(Fill&& fill) {
-    writer_.StartObject();
-    fill();
-    writer_.EndObject();
-  }
-  template <class Fill>
-  void object(const char* key, Fill&& fill) {
-    writer_.Key(key);
-    object(fill);
-  }
-  template <class Fill>
-  void array(Fill&& fill) {
-    writer_.StartArray();
-    fill();
-    writer_.EndArray();
-  }
-  template <class Value>
-  void put(const char* key, const Value& value) {
-    writer_.Key(key);
-    put(value);
-  }
-  template <class Value>
-  void put(const Value& value) {
-    if constexpr (std::is_same_v<Value, bool>)
-      writer_.Bool(value);
-    else if constexpr (std::is_floating_point_v<Value>)
-      writer_.Double(value);
-    else if constexpr (std::is_signed_v<Value>)
-      writer_.Int64(value);
-    else if constexpr (std::is_unsigned_v<Value>)
-      writer_.Uint64(value);
-    else
-      writer_.String(std::string(value).c_str());
-  }
-  std::string text() const { return std::string(buffer_.GetString()) + '\n'; }
-
- private:
-  rapidjson::StringBuffer buffer_;
-  rapidjson::PrettyWriter<rapidjson::StringBuffer> writer_{buffer_};
-};
-
-void putFigures(JsonText& json, const Comparison& comparison) {
-  json.put("rmse", comparison.rmse);
-  json.put("rel_rmse", comparison.relRmse);
-  json.put("mae", comparison.mae);
-  json.put("max", comparison.max);
-  json.put("mean_signed", comparison.meanSigned);
-  json.put("p50", comparison.p50);
-  json.put("p99", comparison.p99);
-  json.put("p999", comparison.p999);
-  json.put("bad_pixels", comparison.badPixels);
-  json.put("nan", comparison.nan);
-  json.put("inf", comparison.inf);
-  json.put("width", comparison.width);
-  json.put("height", comparison.height);
-}
-
-}  // namespace
 
 std::string statsJson(const Stats& stats) {
   JsonText json;
@@ -89,7 +21,7 @@ std::string statsJson(const Stats& stats) {
       json.put("height", settings.height);
       json.put("samples", settings.samples);
       json.put("depth", settings.depth);
-      json.put("sampler", settings.sampler == Sampler::grid ? "grid" : "jitter");
+      json.put("sampler", samplerName(settings.sampler));
       json.put("seed", settings.seed);
       json.put("min_weight", settings.minWeight);
       json.put("backend", stats.backend);

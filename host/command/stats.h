@@ -1,4 +1,4 @@
-// Figures as JSON, for --stats, compare --json and devices --json. RapidJSON's writer appears in stats.cpp only.
+// Figures as JSON, for --stats, compare --json and devices --json.
 #pragma once
 
 #include <optional>

@@ -41,7 +41,7 @@ glm::dmat4 cameraToNdc(const Camera& camera, int width, int height) {
 std::string optionsText(const RenderSettings& settings, const std::string& renderer) {
   return fmt::format("--width {} --height {} --samples {} --depth {} --sampler {} --seed {} --min-weight {} {}",
                      settings.width, settings.height, settings.samples, settings.depth,
-                     settings.sampler == Sampler::grid ? "grid" : "jitter", settings.seed, settings.minWeight,
+                     samplerName(settings.sampler), settings.seed, settings.minWeight,
                      renderer);
 }
 

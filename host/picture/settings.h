@@ -9,14 +9,21 @@
 
 namespace turner {
 
-enum class Sampler { grid, jitter };
+// Where the n x n samples of a pixel lie: at cell centres, hashed inside the cells, or so that they are spread evenly
+// along each axis and in many boxes as well (camera.glsl tells how).
+enum class Sampler { grid, jitter, sobol };
+
+// As --sampler takes it.
+inline const char* samplerName(Sampler sampler) {
+  return sampler == Sampler::grid ? "grid" : sampler == Sampler::jitter ? "jitter" : "sobol";
+}
 
 struct RenderSettings {
   int width = 512, height = 512;    // of the full picture, pixels
   Window crop{0, 0, 512, 512};      // the part to render
   int samples = 1;                  // n of the n x n grid in each pixel
-  Sampler sampler = Sampler::grid;  // cell centres, or hashed positions inside the cells
-  uint32_t seed = 0;                // of the jitter's hash
+  Sampler sampler = Sampler::grid;
+  uint32_t seed = 0;                // of the hashes of jitter and sobol
   int depth = 5;                    // levels of the ray tree, the eye ray being level 1
   double minWeight = 0;             // rays whose product of r and t factors is below this are dropped
 

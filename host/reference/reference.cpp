@@ -75,17 +75,50 @@ std::array<uint32_t, 2> hash(uint32_t x, uint32_t y, uint32_t z, uint32_t w) {
   return {x, y};
 }
 
+// "lowbias32", a hash of one word by C. Wellons (nullprogram.com/blog/2018/07/31).
+uint32_t hash(uint32_t x) {
+  x ^= x >> 16;
+  x *= 0x7feb352d;
+  x ^= x >> 15;
+  x *= 0x846ca68b;
+  return x ^ (x >> 16);
+}
+
+// The radical inverse of a number below n, nested scrambling applied to its digits (Owen 1995, 2003): the last digit of
+// the number becomes the first, and what shuffles it hangs on the digits that came before, of which `node` is the code.
+// Digits are those of the prime factors of n, the smallest last.
+uint32_t scrambledInverse(uint32_t number, uint32_t n, uint32_t seed, uint32_t node) {
+  if (n == 1) return 0;
+  uint32_t prime = 2;
+  while (n % prime != 0) ++prime;
+  const uint32_t digit = number % prime, rest = n / prime;
+  const uint32_t random = hash(seed + node * 0x9e3779b9u);
+  const uint32_t shift = (random >> 16) * prime / 65536, factor = 1 + (random & 65535) * (prime - 1) / 65536;
+  const uint32_t shuffled = (digit * factor + shift) % prime;
+  return shuffled * rest + scrambledInverse(number / prime, rest, seed, node * prime + digit);
+}
+
 // Where the sample of cell (i, j) of pixel (x, y) lies, in pixels from the top left of the picture. Both renderers
 // compute it in integers, fractions of 2^-24, so that they look through the very same points.
 dvec2 samplePosition(int x, int y, int i, int j, const RenderSettings& settings) {
   const uint32_t n = uint32_t(settings.samples);
-  uint64_t u = 1u << 23, v = 1u << 23;  // the cell's centre
-  if (settings.sampler == Sampler::jitter) {
+  // Where in the cell: a fraction of `parts`.
+  uint64_t u = 1u << 23, v = 1u << 23, parts = 1u << 24;
+  if (settings.sampler != Sampler::grid) {
     const auto words = hash(uint32_t(x), uint32_t(y), uint32_t(j) * n + uint32_t(i), settings.seed);
     u = words[0] >> 8;
     v = words[1] >> 8;
   }
-  const uint64_t across = ((uint64_t(i) << 24) + u) / n, down = ((uint64_t(j) << 24) + v) / n;
+  if (settings.sampler == Sampler::sobol) {
+    constexpr uint32_t kBeyondAllCells = 65536;
+    const auto seeds = hash(uint32_t(x), uint32_t(y), kBeyondAllCells, settings.seed);
+    u += uint64_t(scrambledInverse(uint32_t(j), n, seeds[0], 1)) << 24;
+    v += uint64_t(scrambledInverse(uint32_t(i), n, seeds[1], 1)) << 24;
+    parts *= n;
+  }
+  // The position counts in 2^-24 of a pixel.
+  const uint64_t across = (uint64_t(i) * parts + u) / (parts >> 24) / n;
+  const uint64_t down = (uint64_t(j) * parts + v) / (parts >> 24) / n;
   return {x + double(across) * 0x1p-24, y + double(down) * 0x1p-24};
 }
 

@@ -18,6 +18,7 @@
 #include <utility>
 
 #include "errors.h"
+#include "picture/cache_folder.h"
 #include "scene/text_file.h"
 #include "shader/shader_sources.h"
 #include "shader/spirv_cache.h"
@@ -177,14 +178,14 @@ Spirv compileGlsl(const std::string& path, const std::string& preamble) {
   const auto areSources = [&](const std::vector<uint32_t>& numbers) {
     return std::all_of(numbers.begin(), numbers.end(), [&](uint32_t number) { return number < sources.size(); });
   };
-  const std::string cache = spirvCacheFolder();
+  const std::string folder = cacheFolder();
   const std::string key = spirvKey(versionAndOptions() + '\n' + preamble, sources);
   FileIncluder includer(sources);
-  std::optional<CachedSpirv> compiled = findCached(cache, key);
+  std::optional<CachedSpirv> compiled = findCached(folder, key);
   if (!compiled || !areSources(compiled->files)) {
     compiled = compile(sources, includer, preamble);
     // A shader that read more than the key knows cannot be found by it.
-    if (areSources(compiled->files)) keepCached(cache, key, *compiled);
+    if (areSources(compiled->files)) keepCached(folder, key, *compiled);
   }
 
   Spirv spirv;

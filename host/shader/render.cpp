@@ -78,6 +78,27 @@ vk::raii::DescriptorSetLayout makeSetLayout(const Device& device, Fetch fetch) {
   return {device.vulkan(), vk::DescriptorSetLayoutCreateInfo({}, bindings)};
 }
 
+uint samplerNumber(Sampler sampler) {
+  switch (sampler) {
+    case Sampler::grid:
+      return gpu::kGrid;
+    case Sampler::jitter:
+      return gpu::kJitter;
+    case Sampler::sobol:
+      return gpu::kSobol;
+  }
+  return gpu::kGrid;
+}
+
+// The prime factors of n <= 256, ascending, in bytes: there are at most eight.
+std::array<uint, 2> packedRadices(uint n) {
+  std::array<uint, 2> words{};
+  uint count = 0;
+  for (uint prime = 2; n > 1; ++prime)
+    for (; n % prime == 0; n /= prime, ++count) words[count / 4] |= prime << (8 * (count % 4));
+  return words;
+}
+
 Pipeline makePipeline(const Device& device, const Spirv& kernel, const Features& features,
                       const RenderSettings& settings, Fetch fetch, uint workGroup, uint budget, bool counters,
                       bool fresh) {
@@ -93,7 +114,12 @@ Pipeline makePipeline(const Device& device, const Spirv& kernel, const Features&
   constants[gpu::kSpecReflection] = features.reflection && settings.depth > 1;
   constants[gpu::kSpecRefraction] = features.refraction && settings.depth > 1;
   constants[gpu::kSpecFalloff] = features.falloff;
-  constants[gpu::kSpecJitter] = settings.sampler == Sampler::jitter;
+  constants[gpu::kSpecSampler] = samplerNumber(settings.sampler);
+  if (settings.sampler == Sampler::sobol) {
+    const std::array<uint, 2> radices = packedRadices(uint(settings.samples));
+    constants[gpu::kSpecRadicesLow] = radices[0];
+    constants[gpu::kSpecRadicesHigh] = radices[1];
+  }
   constants[gpu::kSpecCounters] = counters;
   constants[gpu::kSpecNearestNodes] = features.nearestNodes;
   constants[gpu::kSpecShadowNodes] = features.shadowNodes;

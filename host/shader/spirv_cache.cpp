@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "descriptor.h"
+#include "picture/cache_folder.h"
 #include "scene/text_file.h"
 
 namespace turner {
@@ -123,36 +124,9 @@ bool isOurs(const std::string& name) {
          name.compare(kHashSize, kSuffix.size(), kSuffix) == 0;
 }
 
-void dropOldest(const std::string& folder) {
-  std::vector<std::pair<fs::file_time_type, fs::path>> files;
-  std::error_code error;
-  for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
-    if (!isOurs(at->path().filename().string())) continue;
-    std::error_code gone;  // another process has dropped it
-    const fs::file_time_type used = at->last_write_time(gone);
-    if (!gone) files.emplace_back(used, at->path());
-  }
-  if (files.size() <= kMostCached) return;
-  std::sort(files.begin(), files.end());
-  files.resize(files.size() - kMostCached);
-  for (const auto& [used, path] : files) fs::remove(path, error);
-}
-
-std::string absoluteFrom(const char* variable) {
-  const char* value = std::getenv(variable);
-  return value && value[0] == '/' ? value : "";
-}
-
 }  // namespace
 
 // --- the cache ------------------------------------------------------------------------------------------------------
-
-std::string spirvCacheFolder() {
-  const std::string cache = absoluteFrom("XDG_CACHE_HOME");
-  if (!cache.empty()) return cache + "/turner";
-  const std::string home = absoluteFrom("HOME");
-  return home.empty() ? "" : home + "/.cache/turner";
-}
 
 std::string spirvKey(std::string_view compiler, const std::vector<ShaderSource>& sources) {
   // Lengths stand before the texts: else two lists of texts could read the same.
@@ -177,11 +151,9 @@ std::optional<CachedSpirv> findCached(const std::string& folder, const std::stri
 
 void keepCached(const std::string& folder, const std::string& key, const CachedSpirv& spirv) {
   if (folder.empty()) return;
-  // No more than two levels: a home that does not exist is not Turner's to make. The mode is what XDG asks for.
-  (void)::mkdir(fs::path(folder).parent_path().c_str(), 0700);
-  (void)::mkdir(folder.c_str(), 0700);
+  makeCacheFolder(folder);
   writeByRename(pathOf(folder, key), encode(key, spirv));
-  dropOldest(folder);
+  dropOldest(folder, isOurs, kMostCached);
 }
 
 }  // namespace turner

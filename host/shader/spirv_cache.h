@@ -20,9 +20,6 @@ struct CachedSpirv {
 // Most files that the cache holds; the ones not used for longest go.
 constexpr size_t kMostCached = 64;
 
-// $XDG_CACHE_HOME/turner, else $HOME/.cache/turner; only absolute paths count. Empty: there is no cache.
-std::string spirvCacheFolder();
-
 // SHA-256 in hex of the sources' names and texts, of which compiler reads them with which options, and of the format
 // of the cache's files. Where the shader's folder is does not matter.
 std::string spirvKey(std::string_view compiler, const std::vector<ShaderSource>& sources);

@@ -1,0 +1,280 @@
+// turner report: scenes -> what to measure -> measured, as far as the journal does not have it -> page and tables.
+#include <fmt/format.h>
+#include <sys/utsname.h>
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <thread>
+
+#include "command/commands.h"
+#include "command/data_folder.h"
+#include "command/interrupt.h"
+#include "command/progress_line.h"
+#include "errors.h"
+#include "picture/exr.h"
+#include "picture/output_file.h"
+#include "report/measure.h"
+#include "report/page.h"
+#include "report/tables.h"
+#include "scene/scene_load.h"
+#include "scene/text_file.h"
+#include "shader/fetch.h"
+#include "shader/glsl.h"
+
+namespace turner {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Of --quick.
+constexpr double kQuickPixels = 65536;
+constexpr int kQuickSamples = 8, kQuickRepeats = 3;
+constexpr int kFullSamples = 16, kFullRepeats = 10;
+
+// A side that goes with the other, at the scene's shape.
+int matching(int side, int sceneSide, int sceneOther) {
+  return std::clamp(int(std::lround(double(side) * sceneOther / sceneSide)), 1, kMaxSize);
+}
+
+// What the sweep leaves the same.
+RenderSettings wholeOf(const Scene& scene, const ReportOptions& options) {
+  RenderOptions render;
+  render.depth = options.depth;
+  render.crop = options.crop;
+  render.width = options.width    ? options.width
+                 : options.height ? std::optional(matching(*options.height, scene.height, scene.width))
+                                  : std::nullopt;
+  render.height = options.height  ? options.height
+                  : options.width ? std::optional(matching(*options.width, scene.width, scene.height))
+                                  : std::nullopt;
+  const double pixels = double(scene.width) * scene.height;
+  if (!render.width && render.crop.empty() && !options.full && pixels > kQuickPixels) {
+    const double scale = std::sqrt(kQuickPixels / pixels);
+    render.width = std::max(1, int(scale * scene.width));
+    render.height = std::max(1, int(scale * scene.height));
+  }
+  return settingsFor(scene, render);
+}
+
+std::vector<DeviceInfo> devicesFor(const ReportOptions& options) {
+  const std::vector<DeviceInfo> all = listDevices();
+  if (!options.device.empty()) return {chooseDevice(all, options.device)};
+  std::vector<DeviceInfo> usable;
+  std::copy_if(all.begin(), all.end(), std::back_inserter(usable), [](const DeviceInfo& d) { return d.usable; });
+  if (usable.empty()) throw RunError("no Vulkan device has Vulkan 1.2 and a compute queue; turner devices lists them");
+  return usable;
+}
+
+// Devices of one name are numbered.
+void nameApart(std::vector<std::unique_ptr<Renderer>>& renderers) {
+  for (size_t i = 0; i < renderers.size(); ++i) {
+    const auto isSame = [&](const auto& other) { return other->name == renderers[i]->name; };
+    const auto same = std::count_if(renderers.begin(), renderers.begin() + std::ptrdiff_t(i), isSame);
+    if (same > 0) renderers[i]->name += fmt::format("-{}", same + 1);
+  }
+}
+
+std::vector<std::unique_ptr<Renderer>> openRenderers(const Scene& scene, const std::vector<DeviceInfo>& devices,
+                                                     const std::string& shaders) {
+  std::vector<std::unique_ptr<Renderer>> renderers;
+  for (const DeviceInfo& device : devices) renderers.push_back(shaderRenderer(scene, device, shaders));
+  nameApart(renderers);
+  renderers.push_back(referenceRenderer(scene, ReferenceOf::scene));
+  return renderers;
+}
+
+// Of the program itself: pictures of one build are not another's.
+std::string programHash() {
+  static const std::string hash = sha256Hex(readTextFile("/proc/self/exe"));
+  return hash;
+}
+
+std::string processorName() {
+  std::ifstream file("/proc/cpuinfo");
+  for (std::string line; std::getline(file, line);)
+    if (line.starts_with("model name")) return line.substr(std::min(line.size(), line.find(':') + 2));
+  return "unknown processor";
+}
+
+Machine thisMachine(const ReportOptions& options, int repeats) {
+  Machine machine;
+  machine.processor = processorName();
+  machine.cores = std::max(1u, std::thread::hardware_concurrency());
+  utsname system{};
+  if (uname(&system) == 0) machine.system = fmt::format("{} {}", system.sysname, system.release);
+  machine.version = TURNER_VERSION;
+  const std::time_t now = std::time(nullptr);
+  char date[32] = "";
+  std::strftime(date, sizeof date, "%Y-%m-%d %H:%M UTC", std::gmtime(&now));
+  machine.date = date;
+  machine.shaders = options.shaders;
+  machine.repeats = repeats;
+  machine.command = "turner report";
+  for (const std::string& scene : options.scenes) machine.command += ' ' + shellWord(scene);
+  machine.command += " -o " + shellWord(options.output) + (options.full ? " --full" : " --quick");
+  const auto add = [&](const char* name, const auto& value) {
+    if (value) machine.command += fmt::format(" {} {}", name, *value);
+  };
+  add("--max-samples", options.maxSamples);
+  add("--repeats", options.repeats);
+  add("--width", options.width);
+  add("--height", options.height);
+  add("--depth", options.depth);
+  if (!options.crop.empty()) machine.command += " --crop " + options.crop;
+  if (!options.device.empty()) machine.command += " --device " + shellWord(options.device);
+  if (!options.shaders.empty()) machine.command += " --shaders " + shellWord(options.shaders);
+  if (options.keepExr) machine.command += " --exr";
+  return machine;
+}
+
+// The scenes, loaded, and what is to be done with each.
+struct Plan {
+  std::vector<Scene> scenes;
+  std::vector<SceneToSweep> sweeps;
+  std::vector<std::vector<std::unique_ptr<Renderer>>> renderers;
+  int repeats = kQuickRepeats;
+
+  std::vector<std::string> rendererNames(size_t scene) const {
+    std::vector<std::string> names;
+    for (const auto& renderer : renderers[scene]) names.push_back(renderer->name);
+    return names;
+  }
+};
+
+Plan planFor(const ReportOptions& options) {
+  Plan plan;
+  for (const std::string& name : options.scenes) {
+    if (name.empty()) throw InputError("the name of a scene is empty");
+    plan.scenes.push_back(loadScene(findScene(name)));
+  }
+  const int maxSamples = options.maxSamples.value_or(options.full ? kFullSamples : kQuickSamples);
+  plan.repeats = options.repeats.value_or(options.full ? kFullRepeats : kQuickRepeats);
+  const std::vector<DeviceInfo> devices = devicesFor(options);
+  const std::string shaders = shaderFolder(options.shaders);
+  for (size_t i = 0; i < plan.scenes.size(); ++i) {
+    const Scene& scene = plan.scenes[i];
+    const RenderSettings whole = wholeOf(scene, options);
+    plan.sweeps.push_back({scene, options.scenes[i],
+                           fmt::format("{}-{}-", i + 1, fs::path(options.scenes[i]).stem().string()), whole,
+                           planSweep(scene, whole, maxSamples), plan.repeats});
+    // A tag is a word of the journal and of files' names.
+    for (char& c : plan.sweeps.back().tag)
+      if (!std::isalnum(static_cast<unsigned char>(c)) && c != '-' && c != '_' && c != '.') c = '_';
+    plan.renderers.push_back(openRenderers(scene, devices, shaders));
+    throwIfInterrupted();
+  }
+  return plan;
+}
+
+// Names all that the measurements depend on.
+std::string fingerprint(const Plan& plan) {
+  std::string text = programHash() + '\n';
+  for (size_t i = 0; i < plan.sweeps.size(); ++i) {
+    const SceneToSweep& sweep = plan.sweeps[i];
+    const RenderSettings& whole = sweep.whole;
+    text += fmt::format("{} {} {} {} {} {} {} {} {}\n", sweep.tag, whole.width, whole.height, whole.crop.x0,
+                        whole.crop.y0, whole.crop.x1, whole.crop.y1, whole.depth, sweep.repeats);
+    for (const Setting& setting : sweep.settings) text += settingName(setting, whole) + ' ';
+    for (const SourceFile& source : sweep.scene.sources) text += source.sha256 + ' ';
+    for (const auto& renderer : plan.renderers[i]) text += renderer->name + ' ' + renderer->content + ' ';
+  }
+  return sha256Hex(text);
+}
+
+void tellPlan(const Plan& plan, const Journal& journal, const std::string& output) {
+  for (size_t i = 0; i < plan.sweeps.size(); ++i) {
+    const SceneToSweep& sweep = plan.sweeps[i];
+    fmt::print("scene: {} ({} x {} pixels, {} settings", sweep.path, sweep.whole.crop.width(),
+               sweep.whole.crop.height(), sweep.settings.size());
+    for (const auto& renderer : plan.renderers[i]) fmt::print(", {}", renderer->device);
+    fmt::print(", {} times)\n", sweep.repeats);
+    for (const std::string& note : sweep.scene.notes) fmt::print("note: {}\n", note);
+  }
+  if (journal.size() > 0)
+    fmt::print("going on with {} measurements of an interrupted report in {}\n", journal.size(), output);
+  std::fflush(stdout);
+}
+
+std::vector<SweptScene> measureAll(Plan& plan, Journal& journal, bool quiet) {
+  double all = 0, done = 0;
+  for (size_t i = 0; i < plan.sweeps.size(); ++i) all += samplesToCome(plan.sweeps[i], plan.rendererNames(i), journal);
+  all = std::max(all, 1.0);
+  ProgressLine progress("measuring", all, quiet);
+  const Tell tell = [&](const std::string& what, double samples) {
+    done += samples;
+    progress.rename(what);
+    progress(std::min(done / all, 1.0));
+  };
+  std::vector<SweptScene> scenes;
+  for (size_t i = 0; i < plan.sweeps.size(); ++i)
+    scenes.push_back(measure(plan.sweeps[i], std::move(plan.renderers[i]), journal, tell));
+  return scenes;
+}
+
+// Moves the pictures out of the journal's folder, one name after the other.
+void keepPictures(const Plan& plan, const std::vector<SweptScene>& scenes, const Journal& journal,
+                  const std::string& output) {
+  const fs::path folder = fs::path(output) / "pictures";
+  fs::create_directories(folder);
+  for (size_t i = 0; i < scenes.size(); ++i) {
+    for (const Point& point : scenes[i].points) {
+      const std::string name = plan.sweeps[i].tag + point.name;
+      fs::copy_file(journal.picturePath(name), folder / (name + ".exr"), fs::copy_options::overwrite_existing);
+    }
+    writeWholeFile((folder / (plan.sweeps[i].tag + "converged.exr")).string(), encodeExr(scenes[i].converged.mean, {}));
+  }
+}
+
+}  // namespace
+
+int runReport(const ReportOptions& options) {
+  Plan plan = planFor(options);
+  std::error_code error;
+  fs::create_directories(options.output, error);
+  if (error) throw InputError("cannot make the folder " + options.output + ": " + error.message());
+  const fs::path output = options.output;
+  const std::string page = (output / "report.html").string(), json = (output / "report.json").string(),
+                    csv = (output / "report.csv").string();
+  for (const std::string& file : {page, json, csv}) checkWritable(file);
+
+  const fs::path unfinished = output / "unfinished", folder = unfinished / fingerprint(plan).substr(0, 16);
+  std::vector<SweptScene> scenes;
+  {
+    Journal journal(folder.string());
+    if (!options.quiet) tellPlan(plan, journal, options.output);
+    try {
+      scenes = measureAll(plan, journal, options.quiet);
+    } catch (const Interrupted&) {
+      throw Interrupted(
+          fmt::format("interrupted after {} measurements; the same command goes on from there", journal.size()));
+    }
+    throwIfInvalid();
+
+    const Machine machine = thisMachine(options, plan.repeats);
+    const PictureOf pictureOf = [&](size_t scene, const Point& point) {
+      return journal.picture(plan.sweeps[scene].tag + point.name);
+    };
+    writeWholeFile(json, reportJson(machine, scenes));
+    writeWholeFile(csv, reportCsv(machine, scenes));
+    if (options.keepExr) keepPictures(plan, scenes, journal, options.output);
+    writeWholeFile(page, reportPage(machine, scenes, pictureOf));
+  }
+  // All is written: what was kept for going on has served.
+  fs::remove_all(folder, error);
+  if (fs::is_empty(unfinished, error)) fs::remove(unfinished, error);
+
+  if (!options.quiet) {
+    for (const SweptScene& scene : scenes) {
+      fmt::print("{}\n", scene.path);
+      for (const std::string& sentence : findings(scene)) fmt::print("  {}\n", sentence);
+    }
+    for (const std::string& file : {page, json, csv}) fmt::print("wrote {}\n", file);
+  }
+  return 0;
+}
+
+}  // namespace turner

@@ -1,0 +1,103 @@
+// "Short runs instead of one long" (Celarek et al., Computer Graphics Forum 38(4), 2019) is for renderers whose error
+// falls with the square root of the samples. Stratified samples gain more by being many in one run: at edges their
+// error falls with the power 3/4.
+#include "report/converged.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "errors.h"
+#include "picture/cache_folder.h"
+#include "picture/compare.h"
+#include "picture/exr.h"
+#include "picture/output_file.h"
+#include "picture/provenance.h"
+#include "scene/text_file.h"
+
+namespace turner {
+namespace {
+
+// An error of a quarter of the figure, were it not subtracted, would make that 3 % too large.
+constexpr double kConverged = 0.25;
+// rms error over n, for n x n samples: the power 3/4 of the number.
+constexpr double kPower = 1.5;
+
+constexpr size_t kMostCached = 64;
+constexpr const char* kSuffix = "-converged.exr";
+
+Image meanOf(const Image& a, const Image& b) {
+  Image mean = a;
+  for (size_t i = 0; i < mean.rgb.size(); ++i) mean.rgb[i] = float((double(a.rgb[i]) + double(b.rgb[i])) / 2);
+  return mean;
+}
+
+bool isOurs(const std::string& name) {
+  return name.ends_with(kSuffix);
+}
+
+}  // namespace
+
+double withoutOwnError(double rmse, double ownError) {
+  return std::sqrt(std::max(0.0, rmse * rmse - ownError * ownError));
+}
+
+Converged converge(const RenderPicture& render, const RenderSettings& whole, int samples,
+                   const std::function<double(const Image&, double)>& leastErrorAgainst) {
+  Converged result;
+  for (result.samples = std::min(samples, kMaxSamples);;) {
+    RenderSettings settings = whole;
+    settings.minWeight = 0;
+    settings.samples = result.samples;
+    settings.sampler = Sampler::jitter;
+    settings.seed = kConvergedSeeds[0];
+    const Image jittered = render(settings);
+    settings.sampler = Sampler::sobol;
+    settings.seed = kConvergedSeeds[1];
+    const Image sobol = render(settings);
+
+    result.mean = meanOf(jittered, sobol);
+    const Comparison halves = compareImages(jittered, sobol, 0);
+    result.ownError = halves.rmse / 2;
+    result.ownRelative = halves.relRmse / 2;
+    result.leastError = leastErrorAgainst(result.mean, result.ownError);
+    const double wanted = kConverged * result.leastError;
+    result.enough = result.ownError <= wanted;
+    if (result.enough || result.samples == kMaxSamples) return result;
+    // As many more as the error asks for, and a little more than that.
+    const double factor = wanted > 0 ? std::pow(result.ownError / wanted, 1 / kPower) * 1.05 : 2.0;
+    result.samples = int(std::min(std::ceil(result.samples * std::clamp(factor, 1.2, 4.0)), double(kMaxSamples)));
+  }
+}
+
+RenderPicture cached(const RenderPicture& render, const std::string& key) {
+  const std::string root = cacheFolder();
+  if (root.empty()) return render;
+  return [=](const RenderSettings& settings) {
+    const Window& crop = settings.crop;
+    const std::string where = std::to_string(crop.x0) + ',' + std::to_string(crop.y0) + ',' + std::to_string(crop.x1) +
+                              ',' + std::to_string(crop.y1);
+    const std::string path = root + '/' + sha256Hex(key + '\n' + optionsText(settings, where)) + kSuffix;
+    std::error_code ignored;
+    if (std::filesystem::exists(path, ignored)) {
+      try {
+        Image image = readExr(path);
+        std::filesystem::last_write_time(path, std::filesystem::file_time_type::clock::now(), ignored);
+        if (image.width == settings.width && image.height == settings.height && image.window == crop) return image;
+      } catch (const InputError&) {
+        // A damaged file costs the time to render again, and is replaced below.
+      }
+    }
+    Image image = render(settings);
+    makeCacheFolder(root);
+    try {
+      writeWholeFile(path, encodeExr(image, {}));
+    } catch (const RunError&) {
+      // A full or read-only cache costs the time to render next time.
+    }
+    dropOldest(root, isOurs, kMostCached);
+    return image;
+  };
+}
+
+}  // namespace turner

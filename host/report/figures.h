@@ -1,0 +1,61 @@
+// What follows from measured points: curves, their slopes, what reaches an error first, and that in words.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "report/measure.h"
+
+namespace turner {
+
+// The errors that "time to reach" is asked of.
+inline constexpr double kTargets[] = {1e-2, 1e-3};
+
+// Samples in each pixel and seconds at which a curve comes down to an error.
+struct Reach {
+  double samples = 0, seconds = 0;
+  bool extrapolated = false;  // beyond the measured points, along the curve's slope
+};
+
+// A sampler on a renderer: its points over the number of samples, in their order.
+struct Curve {
+  size_t renderer = 0;
+  Sampler sampler = Sampler::grid;
+  std::vector<size_t> points;                 // in SweptScene::points
+  std::optional<double> slope;                // of log rmse over log samples, by least squares, from 2x2 samples on
+  std::vector<std::optional<Reach>> targets;  // one for each of kTargets
+};
+
+std::vector<Curve> curvesOf(const SweptScene& scene);
+
+// The slope of the straight line nearest to the points (log x, log y); none with fewer than two different x.
+std::optional<double> logSlope(const std::vector<double>& x, const std::vector<double>& y);
+
+// The points than which none is both faster and less wrong, by time.
+std::vector<size_t> paretoFront(const SweptScene& scene);
+
+// Two curves over time: which is less wrong, and where that changes.
+struct Crossover {
+  double seconds = 0, rmse = 0;
+  bool firstAfterwards = false;  // whether the first curve is the less wrong one from here on
+};
+std::vector<Crossover> crossovers(const SweptScene& scene, const Curve& first, const Curve& second);
+
+// "llvmpipe, sobol 4x4, depth 3": a point in words. Without the renderer where the scene has only one.
+std::string pointInWords(const SweptScene& scene, const Point& point);
+
+// "12.3 ms", "4.56 s".
+std::string timeInWords(double seconds);
+
+// What a reader wants to know first, a sentence each.
+std::vector<std::string> findings(const SweptScene& scene);
+
+// Quoted where a shell would see more in it than one word.
+std::string shellWord(const std::string& text);
+
+// The render command that makes the point's picture of seed 0; the shaders' folder if it is not Turner's own.
+std::string renderCommand(const SweptScene& scene, const Point& point, const std::string& shaders);
+
+}  // namespace turner

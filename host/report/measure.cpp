@@ -1,0 +1,264 @@
+// Three passes. First every setting on every renderer once, keeping the pictures; then the converged picture, which
+// must be better than the best of these; then the repeats, in turn, so that a slow minute of the machine does not fall
+// on one setting, each with a seed of its own, so that errors are those of the sampler and not of one draw.
+#include "report/measure.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "errors.h"
+
+namespace turner {
+namespace {
+
+// The error of a pixel's channel above which it is bad, as compare has it.
+constexpr double kThreshold = 1e-3;
+// A converged picture may come from a renderer whose float32 is wrong by at most this share of the least error.
+constexpr double kFarSmaller = 0.1;
+// Of the first converged picture, for each of the best candidate's along a side of the grid.
+constexpr int kFinerGrid = 2;
+
+double samplesIn(const RenderSettings& settings) {
+  return double(settings.crop.area()) * settings.samples * settings.samples;
+}
+
+double meanSquareError(const Image& a, const Image& b) {
+  const double rmse = compareImages(a, b, kThreshold).rmse;
+  return rmse * rmse;
+}
+
+std::string pointName(const SceneToSweep& sweep, const std::string& renderer, const Setting& setting) {
+  return sweep.tag + renderer + '-' + settingName(setting, sweep.whole);
+}
+
+class Measuring {
+ public:
+  Measuring(const SceneToSweep& sweep, std::vector<std::unique_ptr<Renderer>> renderers, Journal& journal,
+            const Tell& tell)
+      : sweep_(sweep),
+        renderers_(std::move(renderers)),
+        rounded_(referenceRenderer(sweep.scene, ReferenceOf::rounded)),
+        journal_(journal),
+        tell_(tell) {}
+
+  SweptScene run() {
+    // Every setting once.
+    for (const Setting& setting : sweep_.settings) {
+      for (const auto& renderer : renderers_) measureFirst(*renderer, setting);
+      measureFirst(*rounded_, setting);
+    }
+
+    SweptScene result;
+    result.convergedBy = chooseConverged();
+    result.converged = convergeOn(result.convergedBy.renderer);
+    // What is known of float32 is compared with an estimate of the least error; now that is known too.
+    if (result.convergedBy.floatError > kFarSmaller * result.converged.leastError) {
+      result.convergedBy = {reference(), 0};
+      result.converged = convergeOn(reference());
+    }
+    settle(result.convergedBy.renderer);
+
+    // The repeats in turn.
+    for (int repeat = 1; repeat < sweep_.repeats; ++repeat)
+      for (const Setting& setting : sweep_.settings)
+        for (const auto& renderer : renderers_) measureAgain(*renderer, setting, repeat, result.converged.mean);
+
+    for (const Setting& setting : sweep_.settings) {
+      const Split split = splitOf(setting, result.converged);
+      for (size_t i = 0; i < renderers_.size(); ++i)
+        result.points.push_back(pointOf(i, setting, split, result.converged));
+    }
+    result.renderers = std::move(renderers_);
+    return result;
+  }
+
+ private:
+  // What the reference tells of a setting; the same for all devices.
+  struct Split {
+    Image rounded;
+    Comparison sampling, cutOff, quantisation;
+  };
+
+  size_t reference() const { return renderers_.size() - 1; }
+  Image pictureOf(const std::string& renderer, const Setting& setting) const {
+    return journal_.picture(pointName(sweep_, renderer, setting));
+  }
+  double secondsOf(const Renderer& renderer, const Setting& setting) const {
+    return journal_.find(pointName(sweep_, renderer.name, setting), 0)->seconds;
+  }
+  // The last setting that is nothing but the most samples of a sampler.
+  Setting finest(Sampler sampler) const {
+    Setting found = sweep_.settings.front();
+    for (const Setting& setting : sweep_.settings)
+      if (setting.sampler == sampler && setting == uncut(setting, sweep_.whole)) found = setting;
+    return found;
+  }
+
+  TimedPicture render(Renderer& renderer, const RenderSettings& settings, const std::string& what) {
+    const double samples = samplesIn(settings);
+    double told = 0;
+    TimedPicture picture = renderer.render(settings, [&](double share) {
+      tell_(what, share * samples - told);
+      told = share * samples;
+    });
+    tell_(what, samples - told);
+    return picture;
+  }
+
+  void measureFirst(Renderer& renderer, const Setting& setting) {
+    const std::string point = pointName(sweep_, renderer.name, setting);
+    if (journal_.find(point, 0)) return;
+    const TimedPicture picture = render(renderer, settingsWith(sweep_.whole, setting, 0), point);
+    journal_.keep(point, picture.image);
+    journal_.add(point, 0, {.seconds = picture.seconds, .meanSquare = -1});
+  }
+
+  void measureAgain(Renderer& renderer, const Setting& setting, int repeat, const Image& converged) {
+    const std::string point = pointName(sweep_, renderer.name, setting);
+    if (journal_.find(point, repeat)) return;
+    const TimedPicture picture = render(renderer, settingsWith(sweep_.whole, setting, uint32_t(repeat)), point);
+    journal_.add(point, repeat, {.seconds = picture.seconds, .meanSquare = meanSquareError(picture.image, converged)});
+  }
+
+  // The fastest renderer that computes well enough: two samplers' pictures with the most samples estimate the least
+  // error, and the reference's picture at the same samples shows how far float32 is off.
+  ConvergedBy chooseConverged() const {
+    const Setting best = finest(Sampler::sobol);
+    const Image exact = pictureOf(renderers_[reference()]->name, best);
+    const Image other =
+        pictureOf(renderers_[reference()]->name, finest(best.samples > 1 ? Sampler::jitter : Sampler::grid));
+    const double leastError = std::sqrt(meanSquareError(exact, other) / 2);
+    ConvergedBy chosen{reference(), 0};
+    const auto settled = journal_.decision(sweep_.tag + "converged");
+    for (size_t i = 0; i < reference(); ++i) {
+      const double floatError = std::sqrt(meanSquareError(pictureOf(renderers_[i]->name, best), exact));
+      const bool isFaster = secondsOf(*renderers_[i], best) < secondsOf(*renderers_[chosen.renderer], best);
+      const bool fits = settled ? *settled == renderers_[i]->name : isFaster && floatError <= kFarSmaller * leastError;
+      if (fits) chosen = {i, floatError};
+    }
+    return chosen;
+  }
+
+  // From here on figures are against this one, also when an interrupted sweep is taken up.
+  void settle(size_t renderer) {
+    const std::string key = sweep_.tag + "converged";
+    if (!journal_.decision(key)) journal_.decide(key, renderers_[renderer]->name);
+  }
+
+  Converged convergeOn(size_t renderer) {
+    std::string key = renderers_[renderer]->name + ' ' + renderers_[renderer]->content;
+    for (const SourceFile& source : sweep_.scene.sources) key += ' ' + source.sha256;
+    const RenderPicture renderThere = [&](const RenderSettings& settings) {
+      return render(*renderers_[renderer], settings, sweep_.tag + "converged").image;
+    };
+    return converge(cached(renderThere, key), sweep_.whole, kFinerGrid * finest(Sampler::sobol).samples,
+                    [&](const Image& mean, double ownError) {
+                      double least = HUGE_VAL;
+                      for (const Setting& setting : sweep_.settings)
+                        for (const auto& candidate : renderers_) {
+                          const Image picture = pictureOf(candidate->name, setting);
+                          const double rmse = std::sqrt(meanSquareError(picture, mean));
+                          least = std::min(least, withoutOwnError(rmse, ownError));
+                        }
+                      return least;
+                    });
+  }
+
+  Split splitOf(const Setting& setting, const Converged& converged) const {
+    const std::string& name = renderers_[reference()]->name;
+    Split split;
+    const Image exact = pictureOf(name, setting), whole = pictureOf(name, uncut(setting, sweep_.whole));
+    split.rounded = pictureOf(rounded_->name, setting);
+    split.sampling = compareImages(whole, converged.mean, kThreshold);
+    split.sampling.rmse = withoutOwnError(split.sampling.rmse, converged.ownError);
+    split.cutOff = compareImages(exact, whole, kThreshold);
+    split.quantisation = compareImages(split.rounded, exact, kThreshold);
+    return split;
+  }
+
+  Point pointOf(size_t renderer, const Setting& setting, const Split& split, const Converged& converged) const {
+    Point point;
+    point.renderer = renderer;
+    point.setting = setting;
+    point.name = renderers_[renderer]->name + '-' + settingName(setting, sweep_.whole);
+    const std::string name = pointName(sweep_, renderers_[renderer]->name, setting);
+    const Image picture = journal_.picture(name);
+    point.total = compareImages(picture, converged.mean, kThreshold);
+    point.sampling = split.sampling;
+    point.cutOff = split.cutOff;
+    if (renderer == reference()) {
+      point.arithmetic = point.quantisation = compareImages(picture, picture, kThreshold);
+    } else {
+      point.quantisation = split.quantisation;
+      point.arithmetic = compareImages(picture, split.rounded, kThreshold);
+    }
+    double squares = 0;
+    for (int repeat = 0; repeat < sweep_.repeats; ++repeat) {
+      const Measurement measurement = *journal_.find(name, repeat);
+      point.seconds.push_back(measurement.seconds);
+      const double rmse = repeat == 0 ? point.total.rmse : std::sqrt(measurement.meanSquare);
+      point.rmses.push_back(withoutOwnError(rmse, converged.ownError));
+      squares += point.rmses.back() * point.rmses.back();
+    }
+    point.rmse = std::sqrt(squares / sweep_.repeats);
+    point.relRmse = withoutOwnError(point.total.relRmse, converged.ownRelative);
+    return point;
+  }
+
+  const SceneToSweep& sweep_;
+  std::vector<std::unique_ptr<Renderer>> renderers_;
+  std::unique_ptr<Renderer> rounded_;
+  Journal& journal_;
+  const Tell& tell_;
+};
+
+}  // namespace
+
+double Point::medianSeconds() const {
+  std::vector<double> sorted = seconds;
+  std::sort(sorted.begin(), sorted.end());
+  const size_t half = sorted.size() / 2;
+  return sorted.size() % 2 == 1 ? sorted[half] : (sorted[half - 1] + sorted[half]) / 2;
+}
+
+double Point::efficiency() const {
+  return 1 / (rmse * rmse * medianSeconds());
+}
+
+double samplesToCome(const SceneToSweep& sweep, const std::vector<std::string>& renderers, const Journal& journal) {
+  double samples = 0;
+  int most = 1;
+  const auto count = [&](const std::string& renderer, const Setting& setting, int repeats) {
+    for (int repeat = 0; repeat < repeats; ++repeat)
+      if (!journal.find(pointName(sweep, renderer, setting), repeat))
+        samples += samplesIn(settingsWith(sweep.whole, setting, 0));
+  };
+  for (const Setting& setting : sweep.settings) {
+    for (const std::string& renderer : renderers) count(renderer, setting, sweep.repeats);
+    count("rounded", setting, 1);
+    most = std::max(most, setting.samples);
+  }
+  // The converged picture: two halves, of a little more than what is tried first.
+  if (!journal.decision(sweep.tag + "converged")) {
+    RenderSettings settings = sweep.whole;
+    settings.samples = kFinerGrid * most;
+    samples += 2 * 1.3 * samplesIn(settings);
+  }
+  return samples;
+}
+
+SweptScene measure(const SceneToSweep& sweep, std::vector<std::unique_ptr<Renderer>> renderers, Journal& journal,
+                   const Tell& tell) {
+  SweptScene result = Measuring(sweep, std::move(renderers), journal, tell).run();
+  result.told.name = sweep.scene.name;
+  result.told.sources = sweep.scene.sources;
+  result.told.depth = sweep.scene.depth;
+  result.path = sweep.path;
+  result.spheres = sweep.scene.spheres.size();
+  result.triangles = sweep.scene.triangles.size();
+  result.whole = sweep.whole;
+  return result;
+}
+
+}  // namespace turner

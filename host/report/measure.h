@@ -1,0 +1,76 @@
+// Runs a sweep: renders every setting on every renderer, again and again, and compares the pictures.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "picture/compare.h"
+#include "report/converged.h"
+#include "report/journal.h"
+#include "report/renderers.h"
+#include "report/sweep.h"
+
+namespace turner {
+
+// A setting on a renderer, measured. Errors are of the picture with seed 0 but for rmse.
+struct Point {
+  size_t renderer = 0;  // in SweptScene::renderers
+  Setting setting;
+  std::string name;  // "llvmpipe-sobol-4x4"
+
+  std::vector<double> seconds;  // of tracing, one for each repeat
+  std::vector<double> rmses;    // against the converged picture and without its error; repeat r has seed r
+  double rmse = 0;              // their root mean square
+  double relRmse = 0;           // relative, without the converged picture's error
+  Comparison total;             // against the converged picture, whose error is in it
+
+  // The picture minus the converged one is the sum of these, each at the same samples as far as both sides have any.
+  Comparison sampling;      // the reference, not cut off, minus the converged picture; rmse without that one's error
+  Comparison cutOff;        // the reference with the setting's depth and least weight minus the one without
+  Comparison quantisation;  // the reference of the rounded scene minus the reference; none for the reference
+  Comparison arithmetic;    // the picture minus the reference of the rounded scene; none for the reference
+
+  double medianSeconds() const;
+  double efficiency() const;  // 1 / (MSE * s)
+};
+
+// How the converged picture was made.
+struct ConvergedBy {
+  size_t renderer = 0;
+  double floatError = 0;  // rms difference of that renderer's and the reference's pictures at the same samples
+};
+
+struct SweptScene {
+  Scene told;        // without its geometry
+  std::string path;  // as the render command takes it
+  size_t spheres = 0, triangles = 0;
+  RenderSettings whole;
+  std::vector<std::unique_ptr<Renderer>> renderers;  // the devices, then the reference
+  std::vector<Point> points;
+  Converged converged;
+  ConvergedBy convergedBy;
+};
+
+// A scene that is to be measured.
+struct SceneToSweep {
+  const Scene& scene;
+  std::string path;
+  std::string tag;  // of its files, unique in the journal
+  RenderSettings whole;
+  std::vector<Setting> settings;
+  int repeats = 1;
+};
+
+// Told what is being done, and how many samples more are done since the last call.
+using Tell = std::function<void(const std::string& what, double samples)>;
+
+// The samples that a scene's sweep takes, as far as they are not in the journal: to show progress by.
+double samplesToCome(const SceneToSweep& sweep, const std::vector<std::string>& renderers, const Journal& journal);
+
+// `renderers` are the devices' and, last, the reference's. Measures what the journal does not have.
+SweptScene measure(const SceneToSweep& sweep, std::vector<std::unique_ptr<Renderer>> renderers, Journal& journal,
+                   const Tell& tell);
+
+}  // namespace turner

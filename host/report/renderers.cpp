@@ -1,0 +1,101 @@
+#include "report/renderers.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <chrono>
+
+#include "reference/reference.h"
+#include "scene/text_file.h"
+#include "shader/fetch.h"
+#include "shader/prepare.h"
+#include "shader/render.h"
+#include "shader/round_scene.h"
+
+namespace turner {
+namespace {
+
+// The first word of a device's name, for files: "llvmpipe" of "llvmpipe (LLVM 15.0.6, 512 bits)".
+std::string shortName(const DeviceInfo& device) {
+  std::string word;
+  for (const char c : device.name) {
+    if (std::isalnum(static_cast<unsigned char>(c)))
+      word += char(std::tolower(static_cast<unsigned char>(c)));
+    else if (c == '(')
+      break;
+    else if (!word.empty() && word.back() != '-')
+      word += '-';
+  }
+  while (!word.empty() && word.back() == '-') word.pop_back();
+  return word.empty() ? "device" : word;
+}
+
+class ReferencePictures : public Renderer {
+ public:
+  ReferencePictures(const Scene& scene, ReferenceOf which)
+      : scene_(which == ReferenceOf::scene ? scene : roundScene(scene)) {
+    const bool isScene = which == ReferenceOf::scene;
+    name = isScene ? "reference" : "rounded";
+    device = "reference";
+    driver = "double precision";
+    type = "CPU";
+    options = std::string("--backend reference") + (isScene ? "" : " --geometry rounded");
+  }
+
+  TimedPicture render(const RenderSettings& settings, const Progress& progress) override {
+    using Clock = std::chrono::steady_clock;
+    const Clock::time_point start = Clock::now();
+    Image image = renderReference(scene_, settings, progress).image;
+    return {std::move(image), std::chrono::duration<double>(Clock::now() - start).count()};
+  }
+
+ private:
+  Scene scene_;
+};
+
+class ShaderPictures : public Renderer {
+ public:
+  ShaderPictures(const Scene& scene, const DeviceInfo& info, const std::string& shaders)
+      : scene_(scene),
+        renderer_(info),
+        kernel_(compileGlsl(shaders + "/whitted.comp", fetchPreamble(renderer_.fetch()))) {
+    name = shortName(info);
+    device = info.name;
+    driver = info.driver;
+    type = info.type;
+    options = fmt::format("--device {}", info.index);
+    const auto* words = reinterpret_cast<const char*>(kernel_.words.data());
+    content = sha256Hex(fmt::format("{}\n{}\n", device, driver) +
+                        sha256Hex({words, kernel_.words.size() * sizeof(uint32_t)}));
+  }
+
+  TimedPicture render(const RenderSettings& settings, const Progress& progress) override {
+    // The lists of what eye rays meet are made for a number of samples, as the render command makes them.
+    if (settings.samples != packedSamples_) {
+      renderer_.upload(prepareScene(scene_, settings));
+      packedSamples_ = settings.samples;
+    }
+    ShaderPicture picture = renderer_.render(kernel_, settings, progress);
+    throwIfInvalid();
+    return {std::move(picture.image), picture.traceSeconds};
+  }
+
+ private:
+  Scene scene_;
+  ShaderRenderer renderer_;
+  Spirv kernel_;
+  int packedSamples_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<Renderer> referenceRenderer(const Scene& scene, ReferenceOf which) {
+  return std::make_unique<ReferencePictures>(scene, which);
+}
+
+std::unique_ptr<Renderer> shaderRenderer(const Scene& scene, const DeviceInfo& device, const std::string& shaders) {
+  return std::make_unique<ShaderPictures>(scene, device, shaders);
+}
+
+}  // namespace turner
