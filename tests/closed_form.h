@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <numbers>
 #include <ostream>
@@ -225,37 +226,70 @@ inline Case bentBySphere(std::string name, double radius, double b, double devia
   return c;
 }
 
-// Jittered samples: each pixel is the mean of N.L at the points where its samples land. The positions are computed here
-// once more: pcg4d of Jarzynski and Olano (JCGT 9(3), 2020), and 24-bit fractions of a pixel.
-inline Case jitteredSamples() {
-  Case c{"JitteredSamples", {}, pixels(7, 5), {}};
-  constexpr uint32_t n = 3, seed = 0xdecade;
-  c.settings.samples = n;
-  c.settings.sampler = Sampler::jitter;
-  c.settings.seed = seed;
-  c.scene.camera = lookAt({0, 5, 0}, {0, 0, 0}, {0, 0, -1}, 90);
-  const dvec3 light(1, 1, 2);
-  c.scene.lights = {{.position = light}};
-  addFloor(c.scene, 0, 50, addMaterial(c.scene, matte(dvec3(1))));
-  const auto multiplyAdd = [](std::array<uint32_t, 4>& v) {
+// pcg4d of Jarzynski and Olano (JCGT 9(3), 2020).
+inline std::array<uint32_t, 4> pcg4d(std::array<uint32_t, 4> v) {
+  const auto multiplyAdd = [&] {
     v[0] += v[1] * v[3];
     v[1] += v[2] * v[0];
     v[2] += v[0] * v[1];
     v[3] += v[1] * v[2];
   };
+  for (uint32_t& word : v) word = word * 1664525u + 1013904223u;
+  multiplyAdd();
+  for (uint32_t& word : v) word ^= word >> 16;
+  multiplyAdd();
+  return v;
+}
+
+// Where the samples of a pixel lie within it, in the order of the cells, in [0, 1): computed here once more, as
+// docs/light_transport.md says it, with the digits in a list.
+inline std::vector<glm::dvec2> hashedPositions(Sampler sampler, uint32_t n, uint32_t x, uint32_t y, uint32_t seed) {
+  std::vector<uint32_t> radices;
+  for (uint32_t rest = n, prime = 2; rest > 1; ++prime)
+    for (; rest % prime == 0; rest /= prime) radices.push_back(prime);
+  const auto strip = [&](uint32_t number, uint32_t key) {
+    uint32_t node = 1, value = 0;
+    for (const uint32_t radix : radices) {
+      uint32_t h = key + node * 0x9e3779b9u;
+      h = (h ^ h >> 16) * 0x7feb352du;
+      h = (h ^ h >> 15) * 0x846ca68bu;
+      h ^= h >> 16;
+      const uint32_t digit = number % radix;
+      const uint32_t shuffled = (digit * (1 + ((h & 0xffff) * (radix - 1) >> 16)) + ((h >> 16) * radix >> 16)) % radix;
+      value = value * radix + shuffled;
+      number /= radix;
+      node = node * radix + digit;
+    }
+    return value;
+  };
+  const auto keys = pcg4d({x, y, 1u << 16, seed});
+  std::vector<glm::dvec2> positions;
+  for (uint32_t cell = 0; cell < n * n; ++cell) {
+    const auto random = pcg4d({x, y, cell, seed});
+    const uint32_t i = cell % n, j = cell / n;
+    glm::dvec2 inCell((random[0] >> 8) / 16777216.0, (random[1] >> 8) / 16777216.0);
+    if (sampler == Sampler::sobol) inCell = (inCell + glm::dvec2(strip(j, keys[0]), strip(i, keys[1]))) / double(n);
+    positions.push_back((glm::dvec2(i, j) + inCell) / double(n));
+  }
+  return positions;
+}
+
+// Hashed samples: each pixel is the mean of N.L at the points where its samples land.
+inline Case hashedSamples(const std::string& name, Sampler sampler, uint32_t n) {
+  Case c{name, {}, pixels(7, 5), {}};
+  constexpr uint32_t seed = 0xdecade;
+  c.settings.samples = int(n);
+  c.settings.sampler = sampler;
+  c.settings.seed = seed;
+  c.scene.camera = lookAt({0, 5, 0}, {0, 0, 0}, {0, 0, -1}, 90);
+  const dvec3 light(1, 1, 2);
+  c.scene.lights = {{.position = light}};
+  addFloor(c.scene, 0, 50, addMaterial(c.scene, matte(dvec3(1))));
   for (uint32_t y = 0; y < 5; ++y)
     for (uint32_t x = 0; x < 7; ++x) {
       double sum = 0;
-      for (uint32_t cell = 0; cell < n * n; ++cell) {
-        std::array<uint32_t, 4> v{x, y, cell, seed};
-        for (uint32_t& word : v) word = word * 1664525u + 1013904223u;
-        multiplyAdd(v);
-        for (uint32_t& word : v) word ^= word >> 16;
-        multiplyAdd(v);
-        const double px = x + (cell % n + (v[0] >> 8) / 16777216.0) / n;
-        const double py = y + (cell / n + (v[1] >> 8) / 16777216.0) / n;
-        sum += cosineAt({2 * px - 7, 0, 2 * py - 5}, {0, 1, 0}, light);
-      }
+      for (const glm::dvec2& at : hashedPositions(sampler, n, x, y, seed))
+        sum += cosineAt({2 * (x + at.x) - 7, 0, 2 * (y + at.y) - 5}, {0, 1, 0}, light);
       c.expected.push_back({int(x), int(y), dvec3(sum / (n * n))});
     }
   return c;
@@ -421,7 +455,10 @@ inline std::vector<Case> allCases() {
       bentBySphere("GlassSphere", 1, 0.5, 21.05756, kFloatError),
       bentBySphere("GlassSphereNearItsRim", 1, 0.9, 54.57634, 2e-5),
       bentBySphere("SphereOfNegativeRadius", -1, 0.5, bubble, 4e-6),
-      jitteredSamples(),
+      hashedSamples("JitteredSamples", Sampler::jitter, 3),
+      hashedSamples("SobolSamplesOfOnePrime", Sampler::sobol, 3),
+      hashedSamples("SobolSamplesOfAPowerOfTwo", Sampler::sobol, 8),
+      hashedSamples("SobolSamplesOfManyPrimes", Sampler::sobol, 30),
       coverage("CoverageByAVerticalEdge", Sampler::grid, 8, 1, 0, 0.3, 16),
       coverage("CoverageByASlantedEdge", Sampler::grid, 8, 1, 1, 0.9, 28),
       coverage("CoverageByAnEdgeBetweenCells", Sampler::jitter, 8, 1, 0, 0.5, 32),

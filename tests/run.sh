@@ -5,7 +5,8 @@ set -eu
 cd "$(dirname "$0")/.."
 
 preset=${TURNER_PRESET:-release}
-cmake/setup.sh
+# The report's page is tested in a browser.
+cmake/setup.sh chromium chromium-driver python3-selenium fonts-dejavu-core
 cmake --preset "$preset"
 cmake --build --preset "$preset"
 TURNER_DEVICE=${TURNER_DEVICE:-llvmpipe} ctest --preset "$preset" --parallel "$(nproc)" "$@"

@@ -70,7 +70,7 @@ TEST(Render, DoesNotDependOnWhereItIsInterrupted) {
 
 TEST(Render, CropIsThatPartOfThePicture) {
   const Scene scene = ours("glass");
-  for (const Sampler sampler : {Sampler::grid, Sampler::jitter}) {
+  for (const Sampler sampler : {Sampler::grid, Sampler::jitter, Sampler::sobol}) {
     RenderSettings settings = settingsOf(scene, 90, 70, 2);
     settings.sampler = sampler;
     const Image whole = renderShader(scene, settings);

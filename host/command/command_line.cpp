@@ -170,7 +170,7 @@ void addReport(CLI::App& app, ReportOptions& options) {
   addText(*command, "-o,--output", options.output, "DIR",
           "Folder for report.html, report.json and report.csv (default: report)");
   CLI::Option* quick = command->add_flag("--quick", options.quick,
-                                         "At most 8 x 8 samples, 65536 pixels and 3 repeats: some minutes (default)");
+                                         "At most 8 x 8 samples, 40000 pixels and 3 repeats: some minutes (default)");
   command->add_flag("--full", options.full, "At most 16 x 16 samples, the scene's own size, 10 repeats")
       ->excludes(quick);
   addInteger(*command, "--max-samples", options.maxSamples, 1, kMaxSamples,

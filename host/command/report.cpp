@@ -31,7 +31,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // Of --quick.
-constexpr double kQuickPixels = 65536;
+constexpr double kQuickPixels = 40000;
 constexpr int kQuickSamples = 8, kQuickRepeats = 3;
 constexpr int kFullSamples = 16, kFullRepeats = 10;
 
@@ -72,9 +72,9 @@ std::vector<DeviceInfo> devicesFor(const ReportOptions& options) {
 // Devices of one name are numbered.
 void nameApart(std::vector<std::unique_ptr<Renderer>>& renderers) {
   for (size_t i = 0; i < renderers.size(); ++i) {
-    const auto isSame = [&](const auto& other) { return other->name == renderers[i]->name; };
+    const auto isSame = [&](const auto& other) { return other->info.name == renderers[i]->info.name; };
     const auto same = std::count_if(renderers.begin(), renderers.begin() + std::ptrdiff_t(i), isSame);
-    if (same > 0) renderers[i]->name += fmt::format("-{}", same + 1);
+    if (same > 0) renderers[i]->info.name += fmt::format("-{}", same + 1);
   }
 }
 
@@ -131,18 +131,14 @@ Machine thisMachine(const ReportOptions& options, int repeats) {
   return machine;
 }
 
-// The scenes, loaded, and what is to be done with each.
+// The scenes, loaded, what is to be done with each, and by whom.
 struct Plan {
   std::vector<Scene> scenes;
   std::vector<SceneToSweep> sweeps;
-  std::vector<std::vector<std::unique_ptr<Renderer>>> renderers;
+  std::vector<DeviceInfo> devices;
+  std::vector<RendererInfo> renderers;
+  std::string shaders;
   int repeats = kQuickRepeats;
-
-  std::vector<std::string> rendererNames(size_t scene) const {
-    std::vector<std::string> names;
-    for (const auto& renderer : renderers[scene]) names.push_back(renderer->name);
-    return names;
-  }
 };
 
 Plan planFor(const ReportOptions& options) {
@@ -153,8 +149,8 @@ Plan planFor(const ReportOptions& options) {
   }
   const int maxSamples = options.maxSamples.value_or(options.full ? kFullSamples : kQuickSamples);
   plan.repeats = options.repeats.value_or(options.full ? kFullRepeats : kQuickRepeats);
-  const std::vector<DeviceInfo> devices = devicesFor(options);
-  const std::string shaders = shaderFolder(options.shaders);
+  plan.devices = devicesFor(options);
+  plan.shaders = shaderFolder(options.shaders);
   for (size_t i = 0; i < plan.scenes.size(); ++i) {
     const Scene& scene = plan.scenes[i];
     const RenderSettings whole = wholeOf(scene, options);
@@ -164,9 +160,10 @@ Plan planFor(const ReportOptions& options) {
     // A tag is a word of the journal and of files' names.
     for (char& c : plan.sweeps.back().tag)
       if (!std::isalnum(static_cast<unsigned char>(c)) && c != '-' && c != '_' && c != '.') c = '_';
-    plan.renderers.push_back(openRenderers(scene, devices, shaders));
-    throwIfInterrupted();
   }
+  for (const auto& renderer : openRenderers(plan.scenes[0], plan.devices, plan.shaders))
+    plan.renderers.push_back(renderer->info);
+  throwIfInterrupted();
   return plan;
 }
 
@@ -180,8 +177,8 @@ std::string fingerprint(const Plan& plan) {
                         whole.crop.y0, whole.crop.x1, whole.crop.y1, whole.depth, sweep.repeats);
     for (const Setting& setting : sweep.settings) text += settingName(setting, whole) + ' ';
     for (const SourceFile& source : sweep.scene.sources) text += source.sha256 + ' ';
-    for (const auto& renderer : plan.renderers[i]) text += renderer->name + ' ' + renderer->content + ' ';
   }
+  for (const RendererInfo& renderer : plan.renderers) text += renderer.name + ' ' + renderer.content + ' ';
   return sha256Hex(text);
 }
 
@@ -190,7 +187,7 @@ void tellPlan(const Plan& plan, const Journal& journal, const std::string& outpu
     const SceneToSweep& sweep = plan.sweeps[i];
     fmt::print("scene: {} ({} x {} pixels, {} settings", sweep.path, sweep.whole.crop.width(),
                sweep.whole.crop.height(), sweep.settings.size());
-    for (const auto& renderer : plan.renderers[i]) fmt::print(", {}", renderer->device);
+    for (const RendererInfo& renderer : plan.renderers) fmt::print(", {}", renderer.device);
     fmt::print(", {} times)\n", sweep.repeats);
     for (const std::string& note : sweep.scene.notes) fmt::print("note: {}\n", note);
   }
@@ -199,9 +196,9 @@ void tellPlan(const Plan& plan, const Journal& journal, const std::string& outpu
   std::fflush(stdout);
 }
 
-std::vector<SweptScene> measureAll(Plan& plan, Journal& journal, bool quiet) {
+std::vector<SweptScene> measureAll(const Plan& plan, Journal& journal, bool quiet) {
   double all = 0, done = 0;
-  for (size_t i = 0; i < plan.sweeps.size(); ++i) all += samplesToCome(plan.sweeps[i], plan.rendererNames(i), journal);
+  for (size_t i = 0; i < plan.sweeps.size(); ++i) all += samplesToCome(plan.sweeps[i], plan.renderers, journal);
   all = std::max(all, 1.0);
   ProgressLine progress("measuring", all, quiet);
   const Tell tell = [&](const std::string& what, double samples) {
@@ -211,7 +208,7 @@ std::vector<SweptScene> measureAll(Plan& plan, Journal& journal, bool quiet) {
   };
   std::vector<SweptScene> scenes;
   for (size_t i = 0; i < plan.sweeps.size(); ++i)
-    scenes.push_back(measure(plan.sweeps[i], std::move(plan.renderers[i]), journal, tell));
+    scenes.push_back(measure(plan.sweeps[i], openRenderers(plan.scenes[i], plan.devices, plan.shaders), journal, tell));
   return scenes;
 }
 
@@ -232,7 +229,7 @@ void keepPictures(const Plan& plan, const std::vector<SweptScene>& scenes, const
 }  // namespace
 
 int runReport(const ReportOptions& options) {
-  Plan plan = planFor(options);
+  const Plan plan = planFor(options);
   std::error_code error;
   fs::create_directories(options.output, error);
   if (error) throw InputError("cannot make the folder " + options.output + ": " + error.message());

@@ -40,9 +40,8 @@ glm::dmat4 cameraToNdc(const Camera& camera, int width, int height) {
 
 std::string optionsText(const RenderSettings& settings, const std::string& renderer) {
   return fmt::format("--width {} --height {} --samples {} --depth {} --sampler {} --seed {} --min-weight {} {}",
-                     settings.width, settings.height, settings.samples, settings.depth,
-                     samplerName(settings.sampler), settings.seed, settings.minWeight,
-                     renderer);
+                     settings.width, settings.height, settings.samples, settings.depth, samplerName(settings.sampler),
+                     settings.seed, settings.minWeight, renderer);
 }
 
 Provenance makeProvenance(const Scene& scene, const RenderSettings& settings, const std::string& renderer,

@@ -19,13 +19,13 @@ inline const char* samplerName(Sampler sampler) {
 }
 
 struct RenderSettings {
-  int width = 512, height = 512;    // of the full picture, pixels
-  Window crop{0, 0, 512, 512};      // the part to render
-  int samples = 1;                  // n of the n x n grid in each pixel
+  int width = 512, height = 512;  // of the full picture, pixels
+  Window crop{0, 0, 512, 512};    // the part to render
+  int samples = 1;                // n of the n x n grid in each pixel
   Sampler sampler = Sampler::grid;
-  uint32_t seed = 0;                // of the hashes of jitter and sobol
-  int depth = 5;                    // levels of the ray tree, the eye ray being level 1
-  double minWeight = 0;             // rays whose product of r and t factors is below this are dropped
+  uint32_t seed = 0;     // of the hashes of jitter and sobol
+  int depth = 5;         // levels of the ray tree, the eye ray being level 1
+  double minWeight = 0;  // rays whose product of r and t factors is below this are dropped
 
   // What renderers compare that product with: a little less, so that 0.7 * 0.7 is not below 0.49, in double or in
   // float.

@@ -153,11 +153,19 @@ class Drawing {
         add("<circle cx='{:.2f}' cy='{:.2f}' r='8' fill='none' stroke='#111' stroke-width='1.2'/>", x, y);
       add("{}</g>", shapeAt(series.shape, x, y,
                             fmt::format("fill='{}' stroke='#fff' stroke-width='.8'", kPalette[series.color])));
-      if (!mark.note.empty())
+      if (!mark.note.empty() && isFree(x, y))
         add("<text x='{:.2f}' y='{:.2f}' fill='#111' font-size='11' paint-order='stroke' stroke='#fff' "
             "stroke-width='3'>{}</text>",
             x + 10, y - 6, escaped(mark.note));
     }
+  }
+
+  // Whether a note beside this place would not lie on another; takes the place.
+  bool isFree(double x, double y) {
+    for (const auto& [otherX, otherY] : noted_)
+      if (std::abs(x - otherX) < 46 && std::abs(y - otherY) < 13) return false;
+    noted_.emplace_back(x, y);
+    return true;
   }
 
   void legend() {
@@ -180,6 +188,7 @@ class Drawing {
 
   const Chart& chart_;
   const Axis &x_, &y_;
+  std::vector<std::pair<double, double>> noted_;
   std::string text_;
 };
 

@@ -11,6 +11,8 @@ namespace {
 
 // Below this a slope is no way to reach anything.
 constexpr double kLeastSlope = -0.1;
+// Errors that differ by less than this share are called alike: times are measured, and errors are of some draws.
+constexpr double kAlike = 0.1;
 // Where an error is reached after more samples than a renderer takes, nobody wants to know when.
 constexpr double kMostSamples = double(kMaxSamples) * kMaxSamples;
 
@@ -54,34 +56,26 @@ std::optional<double> logErrorAt(const SweptScene& scene, const Curve& curve, do
 }
 
 std::string curveInWords(const SweptScene& scene, const Curve& curve) {
-  return fmt::format("{} on {}", samplerName(curve.sampler), scene.renderers[curve.renderer]->name);
+  return fmt::format("{} on {}", samplerName(curve.sampler), scene.renderers[curve.renderer].name);
 }
 
-// Which setting is on the front until when, those of one curve in one phrase.
+std::string settingInWords(const SweptScene& scene, const Setting& setting) {
+  std::string text = fmt::format("{} {}x{}", samplerName(setting.sampler), setting.samples, setting.samples);
+  if (setting.depth != scene.whole.depth) text += fmt::format(", depth {}", setting.depth);
+  if (setting.minWeight > 0) text += fmt::format(", least weight {}", setting.minWeight);
+  return text;
+}
+
+// The steps of the front that are worth a word: each at least a tenth less wrong than the one before.
 std::string frontInWords(const SweptScene& scene) {
-  const std::vector<size_t> front = paretoFront(scene);
-  const auto group = [&](const Point& point) {
-    std::string name =
-        fmt::format("{} on {}", samplerName(point.setting.sampler), scene.renderers[point.renderer]->name);
-    if (point.setting.depth != scene.whole.depth) name += fmt::format(" at depth {}", point.setting.depth);
-    if (point.setting.minWeight > 0) name += fmt::format(" with --min-weight {}", point.setting.minWeight);
-    return name;
-  };
   std::string text;
-  for (size_t i = 0; i < front.size();) {
-    const Point& first = scene.points[front[i]];
-    size_t end = i + 1;
-    while (end < front.size() && group(scene.points[front[end]]) == group(first)) ++end;
-    const Point& last = scene.points[front[end - 1]];
-    text += text.empty() ? "The best that a given time buys is " : "; ";
-    if (end - i == 1)
-      text += fmt::format("{}, {}x{} ({}, RMSE {:.2g})", group(first), first.setting.samples, first.setting.samples,
-                          timeInWords(first.medianSeconds()), first.rmse);
-    else
-      text += fmt::format("{}, {}x{} to {}x{} ({} to {}, RMSE {:.2g} to {:.2g})", group(first), first.setting.samples,
-                          first.setting.samples, last.setting.samples, last.setting.samples,
-                          timeInWords(first.medianSeconds()), timeInWords(last.medianSeconds()), first.rmse, last.rmse);
-    i = end;
+  double rmse = HUGE_VAL;
+  for (const size_t i : paretoFront(scene)) {
+    const Point& point = scene.points[i];
+    if (point.rmse > (1 - kAlike) * rmse) continue;
+    rmse = point.rmse;
+    text += fmt::format("{}{} (RMSE {:.2g}) by {}", text.empty() ? "What time buys: " : "; ",
+                        timeInWords(point.medianSeconds()), point.rmse, pointInWords(scene, point));
   }
   return text.empty() ? text : text + ".";
 }
@@ -94,25 +88,62 @@ void addTargets(const SweptScene& scene, const std::vector<Curve>& curves, std::
     if (!best) continue;
     const Reach& found = *best->targets[t];
     sentences.push_back(
-        fmt::format("An RMSE of {:g} is reached first by {}: in {}, with about {:.2g} samples in each pixel{}.",
+        fmt::format("An RMSE of {:g} is reached first by {}: in {}, with about {:.3g} samples in each pixel{}.",
                     kTargets[t], curveInWords(scene, *best), timeInWords(found.seconds), found.samples,
                     found.extrapolated ? " (extrapolated along its slope)" : ""));
   }
 }
 
-void addCrossovers(const SweptScene& scene, const std::vector<Curve>& curves, std::vector<std::string>& sentences) {
-  for (size_t i = 0; i < curves.size(); ++i)
-    for (size_t j = i + 1; j < curves.size(); ++j) {
-      const Curve &a = curves[i], &b = curves[j];
-      // Of samplers on one device, and of devices with the best sampler.
-      if (a.renderer != b.renderer && (a.sampler != Sampler::sobol || b.sampler != Sampler::sobol)) continue;
-      for (const Crossover& crossover : crossovers(scene, a, b)) {
-        const Curve &better = crossover.firstAfterwards ? a : b, &worse = crossover.firstAfterwards ? b : a;
-        sentences.push_back(fmt::format("From {} on (RMSE {:.2g}), {} is less wrong than {}.",
-                                        timeInWords(crossover.seconds), crossover.rmse, curveInWords(scene, better),
-                                        curveInWords(scene, worse)));
-      }
+// Which of two curves is less wrong, and from when on.
+std::string pairInWords(const SweptScene& scene, const Curve& first, const Curve& second) {
+  const std::vector<Lead> leads = leadsOf(scene, first, second);
+  const std::string a = curveInWords(scene, first), b = curveInWords(scene, second);
+  if (leads.empty()) return fmt::format("{} and {} are alike in error at a given time, within a tenth.", a, b);
+  std::string text;
+  for (const Lead& lead : leads) {
+    const std::string &better = lead.ofFirst ? a : b, &worse = lead.ofFirst ? b : a;
+    if (text.empty())
+      text = fmt::format("{} is less wrong than {}", better, worse);
+    else
+      text += fmt::format("; from {} (RMSE {:.2g}) on, {} is", timeInWords(lead.seconds), lead.rmse, better);
+  }
+  return text + (leads.size() == 1 ? " in the same time, wherever they differ by more than a tenth." : ".");
+}
+
+void addPairs(const SweptScene& scene, const std::vector<Curve>& curves, std::vector<std::string>& sentences) {
+  for (const Curve& sobol : curves) {
+    if (sobol.sampler != Sampler::sobol) continue;
+    // Against the other samplers on this device, and against sobol on the devices after this.
+    for (const Curve& other : curves) {
+      const bool isSampler = other.renderer == sobol.renderer && other.sampler != Sampler::sobol;
+      const bool isDevice = other.renderer > sobol.renderer && other.sampler == Sampler::sobol;
+      if (isSampler || isDevice) sentences.push_back(pairInWords(scene, sobol, other));
     }
+  }
+}
+
+// How far float32 is off, device by device.
+void addArithmetic(const SweptScene& scene, std::vector<std::string>& sentences) {
+  for (size_t renderer = 0; renderer + 1 < scene.renderers.size(); ++renderer) {
+    double rmse = 0, bias = 0, bad = 0;
+    uint64_t notFinite = 0;
+    for (const Point& point : scene.points) {
+      if (point.renderer != renderer) continue;
+      const Comparison& arithmetic = point.arithmetic;
+      rmse = std::max(rmse, arithmetic.rmse);
+      bad = std::max(bad, arithmetic.badPixels);
+      if (std::abs(arithmetic.meanSigned) > std::abs(bias)) bias = arithmetic.meanSigned;
+      notFinite = std::max(notFinite, arithmetic.nan + arithmetic.inf);
+    }
+    const std::string& name = scene.renderers[renderer].name;
+    sentences.push_back(
+        fmt::format("Float32 arithmetic on {} costs an RMSE of at most {:.2g}, a bias of at most {:+.1g}, and puts at "
+                    "most {:.2g} % "
+                    "of a picture's pixels off by more than 0.001.",
+                    name, rmse, bias, 100 * bad));
+    if (notFinite > 0)
+      sentences.push_back(fmt::format("A picture by {} has {} pixels with a NaN or an infinity.", name, notFinite));
+  }
 }
 
 }  // namespace
@@ -182,28 +213,34 @@ std::vector<size_t> paretoFront(const SweptScene& scene) {
   return front;
 }
 
-std::vector<Crossover> crossovers(const SweptScene& scene, const Curve& first, const Curve& second) {
+std::vector<Lead> leadsOf(const SweptScene& scene, const Curve& first, const Curve& second) {
   // Both are straight between the times at which either was measured: the difference changes its sign at most once
   // between two of these.
   std::vector<double> times;
   for (const Curve* curve : {&first, &second})
     for (const size_t i : curve->points) times.push_back(std::log(scene.points[i].medianSeconds()));
   std::sort(times.begin(), times.end());
-  std::vector<Crossover> found;
-  std::optional<std::pair<double, double>> before;  // time, first minus second
+  std::vector<Lead> leads;
+  std::optional<std::pair<double, double>> before;  // time, first minus second in log rmse
+  Lead lead;                                        // the one that we are in
+  bool counts = false;
   for (const double time : times) {
     const std::optional<double> a = logErrorAt(scene, first, time), b = logErrorAt(scene, second, time);
-    if (!a || !b) continue;
+    if (!a || !b || *a == *b) continue;
     const double difference = *a - *b;
-    if (before && before->second * difference < 0) {
-      const double share = before->second / (before->second - difference);
-      const double at = before->first + share * (time - before->first);
-      if (const std::optional<double> error = logErrorAt(scene, first, at))
-        found.push_back({std::exp(at), std::exp(*error), difference < 0});
+    if (!before || before->second * difference < 0) {
+      const double share = before ? before->second / (before->second - difference) : 1;
+      const double at = before ? before->first + share * (time - before->first) : time;
+      lead = {std::exp(at), std::exp(logErrorAt(scene, first, at).value_or(*a)), difference < 0};
+      counts = false;
     }
-    if (difference != 0) before = {time, difference};
+    before = {time, difference};
+    // A lead that is never more than noise is none.
+    if (counts || std::abs(difference) < -std::log(1 - kAlike)) continue;
+    counts = true;
+    if (leads.empty() || leads.back().ofFirst != lead.ofFirst) leads.push_back(lead);
   }
-  return found;
+  return leads;
 }
 
 std::string timeInWords(double seconds) {
@@ -211,12 +248,7 @@ std::string timeInWords(double seconds) {
 }
 
 std::string pointInWords(const SweptScene& scene, const Point& point) {
-  const Setting& setting = point.setting;
-  std::string text = fmt::format("{}, {} {}x{}", scene.renderers[point.renderer]->name, samplerName(setting.sampler),
-                                 setting.samples, setting.samples);
-  if (setting.depth != scene.whole.depth) text += fmt::format(", depth {}", setting.depth);
-  if (setting.minWeight > 0) text += fmt::format(", least weight {}", setting.minWeight);
-  return text;
+  return fmt::format("{}, {}", scene.renderers[point.renderer].name, settingInWords(scene, point.setting));
 }
 
 std::vector<std::string> findings(const SweptScene& scene) {
@@ -224,24 +256,8 @@ std::vector<std::string> findings(const SweptScene& scene) {
   std::vector<std::string> sentences;
   if (const std::string front = frontInWords(scene); !front.empty()) sentences.push_back(front);
   addTargets(scene, curves, sentences);
-  addCrossovers(scene, curves, sentences);
-  for (const Point& point : scene.points) {
-    if (point.arithmetic.nan + point.arithmetic.inf > 0)
-      sentences.push_back(fmt::format("{} has {} pixels with a NaN or an infinity.", pointInWords(scene, point),
-                                      point.total.nan + point.total.inf));
-  }
-  for (size_t renderer = 0; renderer + 1 < scene.renderers.size(); ++renderer) {
-    double most = 0, bad = 0;
-    for (const Point& point : scene.points) {
-      if (point.renderer != renderer) continue;
-      most = std::max(most, point.arithmetic.rmse);
-      bad = std::max(bad, point.arithmetic.badPixels);
-    }
-    sentences.push_back(
-        fmt::format("Float32 arithmetic on {} costs at most an RMSE of {:.2g}; at most {:.2g} % of pixels are off by "
-                    "more than 0.001.",
-                    scene.renderers[renderer]->name, most, 100 * bad));
-  }
+  addPairs(scene, curves, sentences);
+  addArithmetic(scene, sentences);
   return sentences;
 }
 
@@ -256,7 +272,7 @@ std::string renderCommand(const SweptScene& scene, const Point& point, const std
   command += fmt::format(" --samples {} --sampler {} --seed 0 --depth {}", setting.samples,
                          samplerName(setting.sampler), setting.depth);
   if (setting.minWeight > 0) command += fmt::format(" --min-weight {}", setting.minWeight);
-  command += ' ' + scene.renderers[point.renderer]->options;
+  command += ' ' + scene.renderers[point.renderer].options;
   if (!shaders.empty() && point.renderer + 1 < scene.renderers.size()) command += " --shaders " + shellWord(shaders);
   return command;
 }

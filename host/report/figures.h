@@ -36,14 +36,14 @@ std::optional<double> logSlope(const std::vector<double>& x, const std::vector<d
 // The points than which none is both faster and less wrong, by time.
 std::vector<size_t> paretoFront(const SweptScene& scene);
 
-// Two curves over time: which is less wrong, and where that changes.
-struct Crossover {
-  double seconds = 0, rmse = 0;
-  bool firstAfterwards = false;  // whether the first curve is the less wrong one from here on
+// Two curves over time: which is less wrong, by more than a tenth somewhere, from when on. They alternate.
+struct Lead {
+  double seconds = 0, rmse = 0;  // where the curves cross; of the first lead, where both begin
+  bool ofFirst = false;
 };
-std::vector<Crossover> crossovers(const SweptScene& scene, const Curve& first, const Curve& second);
+std::vector<Lead> leadsOf(const SweptScene& scene, const Curve& first, const Curve& second);
 
-// "llvmpipe, sobol 4x4, depth 3": a point in words. Without the renderer where the scene has only one.
+// "llvmpipe, sobol 4x4, depth 3": a point in words.
 std::string pointInWords(const SweptScene& scene, const Point& point);
 
 // "12.3 ms", "4.56 s".

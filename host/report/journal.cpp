@@ -12,7 +12,6 @@
 #include <sstream>
 
 #include "errors.h"
-#include "picture/exr.h"
 #include "picture/output_file.h"
 #include "scene/text_file.h"
 
@@ -87,8 +86,8 @@ void Journal::decide(const std::string& key, const std::string& value) {
   decisions_[key] = value;
 }
 
-void Journal::keep(const std::string& point, const Image& image) const {
-  writeWholeFile(picturePath(point), encodeExr(image, {}));
+void Journal::keep(const std::string& point, const Image& image, const Provenance& provenance) const {
+  writeWholeFile(picturePath(point), encodeExr(image, provenance));
 }
 
 Image Journal::picture(const std::string& point) const {

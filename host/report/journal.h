@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "descriptor.h"
-#include "picture/image.h"
+#include "picture/exr.h"
 
 namespace turner {
 
@@ -35,7 +35,7 @@ class Journal {
   void decide(const std::string& key, const std::string& value);
 
   // The picture of a point. keep() comes before add(): what was measured has its picture.
-  void keep(const std::string& point, const Image& image) const;
+  void keep(const std::string& point, const Image& image, const Provenance& provenance) const;
   Image picture(const std::string& point) const;
   std::string picturePath(const std::string& point) const { return folder_ + '/' + point + ".exr"; }
 

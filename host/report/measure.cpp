@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "errors.h"
+#include "picture/provenance.h"
 
 namespace turner {
 namespace {
@@ -69,7 +69,7 @@ class Measuring {
       for (size_t i = 0; i < renderers_.size(); ++i)
         result.points.push_back(pointOf(i, setting, split, result.converged));
     }
-    result.renderers = std::move(renderers_);
+    for (const auto& renderer : renderers_) result.renderers.push_back(renderer->info);
     return result;
   }
 
@@ -85,7 +85,7 @@ class Measuring {
     return journal_.picture(pointName(sweep_, renderer, setting));
   }
   double secondsOf(const Renderer& renderer, const Setting& setting) const {
-    return journal_.find(pointName(sweep_, renderer.name, setting), 0)->seconds;
+    return journal_.find(pointName(sweep_, renderer.info.name, setting), 0)->seconds;
   }
   // The last setting that is nothing but the most samples of a sampler.
   Setting finest(Sampler sampler) const {
@@ -107,34 +107,41 @@ class Measuring {
   }
 
   void measureFirst(Renderer& renderer, const Setting& setting) {
-    const std::string point = pointName(sweep_, renderer.name, setting);
+    const std::string point = pointName(sweep_, renderer.info.name, setting);
     if (journal_.find(point, 0)) return;
-    const TimedPicture picture = render(renderer, settingsWith(sweep_.whole, setting, 0), point);
-    journal_.keep(point, picture.image);
+    const RenderSettings settings = settingsWith(sweep_.whole, setting, 0);
+    const TimedPicture picture = render(renderer, settings, point);
+    const RendererInfo& info = renderer.info;
+    journal_.keep(point, picture.image, makeProvenance(sweep_.scene, settings, info.origin, info.device, info.driver));
     journal_.add(point, 0, {.seconds = picture.seconds, .meanSquare = -1});
   }
 
   void measureAgain(Renderer& renderer, const Setting& setting, int repeat, const Image& converged) {
-    const std::string point = pointName(sweep_, renderer.name, setting);
+    const std::string point = pointName(sweep_, renderer.info.name, setting);
     if (journal_.find(point, repeat)) return;
     const TimedPicture picture = render(renderer, settingsWith(sweep_.whole, setting, uint32_t(repeat)), point);
     journal_.add(point, repeat, {.seconds = picture.seconds, .meanSquare = meanSquareError(picture.image, converged)});
   }
 
   // The fastest renderer that computes well enough: two samplers' pictures with the most samples estimate the least
-  // error, and the reference's picture at the same samples shows how far float32 is off.
+  // error, and the reference's pictures at the same samples show how far float32 is off.
   ConvergedBy chooseConverged() const {
     const Setting best = finest(Sampler::sobol);
-    const Image exact = pictureOf(renderers_[reference()]->name, best);
-    const Image other =
-        pictureOf(renderers_[reference()]->name, finest(best.samples > 1 ? Sampler::jitter : Sampler::grid));
-    const double leastError = std::sqrt(meanSquareError(exact, other) / 2);
+    const std::string& exact = renderers_[reference()]->info.name;
+    const Setting other = finest(best.samples > 1 ? Sampler::jitter : Sampler::grid);
+    const double leastError = std::sqrt(meanSquareError(pictureOf(exact, best), pictureOf(exact, other)) / 2);
     ConvergedBy chosen{reference(), 0};
     const auto settled = journal_.decision(sweep_.tag + "converged");
     for (size_t i = 0; i < reference(); ++i) {
-      const double floatError = std::sqrt(meanSquareError(pictureOf(renderers_[i]->name, best), exact));
+      const std::string& name = renderers_[i]->info.name;
+      double floatError = 0;
+      for (const Sampler sampler : {Sampler::jitter, Sampler::sobol}) {
+        const Setting setting = finest(sampler);
+        const double error = std::sqrt(meanSquareError(pictureOf(name, setting), pictureOf(exact, setting)));
+        floatError = std::max(floatError, error);
+      }
       const bool isFaster = secondsOf(*renderers_[i], best) < secondsOf(*renderers_[chosen.renderer], best);
-      const bool fits = settled ? *settled == renderers_[i]->name : isFaster && floatError <= kFarSmaller * leastError;
+      const bool fits = settled ? *settled == name : isFaster && floatError <= kFarSmaller * leastError;
       if (fits) chosen = {i, floatError};
     }
     return chosen;
@@ -143,11 +150,11 @@ class Measuring {
   // From here on figures are against this one, also when an interrupted sweep is taken up.
   void settle(size_t renderer) {
     const std::string key = sweep_.tag + "converged";
-    if (!journal_.decision(key)) journal_.decide(key, renderers_[renderer]->name);
+    if (!journal_.decision(key)) journal_.decide(key, renderers_[renderer]->info.name);
   }
 
   Converged convergeOn(size_t renderer) {
-    std::string key = renderers_[renderer]->name + ' ' + renderers_[renderer]->content;
+    std::string key = renderers_[renderer]->info.name + ' ' + renderers_[renderer]->info.content;
     for (const SourceFile& source : sweep_.scene.sources) key += ' ' + source.sha256;
     const RenderPicture renderThere = [&](const RenderSettings& settings) {
       return render(*renderers_[renderer], settings, sweep_.tag + "converged").image;
@@ -157,7 +164,7 @@ class Measuring {
                       double least = HUGE_VAL;
                       for (const Setting& setting : sweep_.settings)
                         for (const auto& candidate : renderers_) {
-                          const Image picture = pictureOf(candidate->name, setting);
+                          const Image picture = pictureOf(candidate->info.name, setting);
                           const double rmse = std::sqrt(meanSquareError(picture, mean));
                           least = std::min(least, withoutOwnError(rmse, ownError));
                         }
@@ -166,10 +173,10 @@ class Measuring {
   }
 
   Split splitOf(const Setting& setting, const Converged& converged) const {
-    const std::string& name = renderers_[reference()]->name;
+    const std::string& name = renderers_[reference()]->info.name;
     Split split;
     const Image exact = pictureOf(name, setting), whole = pictureOf(name, uncut(setting, sweep_.whole));
-    split.rounded = pictureOf(rounded_->name, setting);
+    split.rounded = pictureOf(rounded_->info.name, setting);
     split.sampling = compareImages(whole, converged.mean, kThreshold);
     split.sampling.rmse = withoutOwnError(split.sampling.rmse, converged.ownError);
     split.cutOff = compareImages(exact, whole, kThreshold);
@@ -181,8 +188,8 @@ class Measuring {
     Point point;
     point.renderer = renderer;
     point.setting = setting;
-    point.name = renderers_[renderer]->name + '-' + settingName(setting, sweep_.whole);
-    const std::string name = pointName(sweep_, renderers_[renderer]->name, setting);
+    point.name = renderers_[renderer]->info.name + '-' + settingName(setting, sweep_.whole);
+    const std::string name = pointName(sweep_, renderers_[renderer]->info.name, setting);
     const Image picture = journal_.picture(name);
     point.total = compareImages(picture, converged.mean, kThreshold);
     point.sampling = split.sampling;
@@ -226,7 +233,7 @@ double Point::efficiency() const {
   return 1 / (rmse * rmse * medianSeconds());
 }
 
-double samplesToCome(const SceneToSweep& sweep, const std::vector<std::string>& renderers, const Journal& journal) {
+double samplesToCome(const SceneToSweep& sweep, const std::vector<RendererInfo>& renderers, const Journal& journal) {
   double samples = 0;
   int most = 1;
   const auto count = [&](const std::string& renderer, const Setting& setting, int repeats) {
@@ -235,7 +242,7 @@ double samplesToCome(const SceneToSweep& sweep, const std::vector<std::string>& 
         samples += samplesIn(settingsWith(sweep.whole, setting, 0));
   };
   for (const Setting& setting : sweep.settings) {
-    for (const std::string& renderer : renderers) count(renderer, setting, sweep.repeats);
+    for (const RendererInfo& renderer : renderers) count(renderer.name, setting, sweep.repeats);
     count("rounded", setting, 1);
     most = std::max(most, setting.samples);
   }

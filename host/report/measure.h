@@ -47,7 +47,7 @@ struct SweptScene {
   std::string path;  // as the render command takes it
   size_t spheres = 0, triangles = 0;
   RenderSettings whole;
-  std::vector<std::unique_ptr<Renderer>> renderers;  // the devices, then the reference
+  std::vector<RendererInfo> renderers;  // the devices, then the reference
   std::vector<Point> points;
   Converged converged;
   ConvergedBy convergedBy;
@@ -67,7 +67,7 @@ struct SceneToSweep {
 using Tell = std::function<void(const std::string& what, double samples)>;
 
 // The samples that a scene's sweep takes, as far as they are not in the journal: to show progress by.
-double samplesToCome(const SceneToSweep& sweep, const std::vector<std::string>& renderers, const Journal& journal);
+double samplesToCome(const SceneToSweep& sweep, const std::vector<RendererInfo>& renderers, const Journal& journal);
 
 // `renderers` are the devices' and, last, the reference's. Measures what the journal does not have.
 SweptScene measure(const SceneToSweep& sweep, std::vector<std::unique_ptr<Renderer>> renderers, Journal& journal,

@@ -60,7 +60,7 @@ Shape shapeOf(Sampler sampler) {
 
 Series seriesOf(const SweptScene& scene, const Curve& curve) {
   Series series;
-  series.name = fmt::format("{}, {}", scene.renderers[curve.renderer]->name, samplerName(curve.sampler));
+  series.name = fmt::format("{}, {}", scene.renderers[curve.renderer].name, samplerName(curve.sampler));
   if (curve.slope) series.name += fmt::format(" (slope {:.2f})", *curve.slope);
   series.color = int(curve.sampler);
   series.shape = shapeOf(curve.sampler);
@@ -71,7 +71,7 @@ Series seriesOf(const SweptScene& scene, const Curve& curve) {
 // Depths or least weights, of one renderer.
 Series cutSeries(const SweptScene& scene, size_t renderer, bool depths) {
   Series series;
-  series.name = fmt::format("{}, {}", scene.renderers[renderer]->name, depths ? "less depth" : "least weights");
+  series.name = fmt::format("{}, {}", scene.renderers[renderer].name, depths ? "less depth" : "least weights");
   series.color = depths ? 3 : 5;
   series.shape = depths ? Shape::diamond : Shape::cross;
   series.dashes = int(renderer % 5);
@@ -149,8 +149,8 @@ class Page {
     if (!scenes.empty()) {
       add("<p class='about'>");
       for (const auto& renderer : scenes[0].renderers)
-        add("<b>{}</b>: {} ({}), {}. ", escaped(renderer->name), escaped(renderer->device), escaped(renderer->type),
-            escaped(renderer->driver));
+        add("<b>{}</b>: {} ({}), {}. ", escaped(renderer.name), escaped(renderer.device), escaped(renderer.type),
+            escaped(renderer.driver));
       add("</p>\n");
     }
     add("<p class='about'>This report again: <code>{}</code></p>\n", escaped(machine_.command));
@@ -171,7 +171,7 @@ class Page {
     add("<p class='note'>Errors are against a converged picture by {}: {} samples in each pixel, half of them "
         "jittered, "
         "half sobol's, with seeds of their own. Its own rms error is {:.2g}{}, and is subtracted.</p>\n",
-        escaped(scene.renderers[scene.convergedBy.renderer]->name), 2 * converged.samples * converged.samples,
+        escaped(scene.renderers[scene.convergedBy.renderer].name), 2 * converged.samples * converged.samples,
         converged.ownError,
         converged.enough ? fmt::format(", at most a quarter of the least error found ({:.2g})", converged.leastError)
                          : fmt::format(": MORE than a quarter of the least error found ({:.2g}); the smallest errors "
@@ -252,7 +252,7 @@ class Page {
     for (const double target : kTargets) add("<th>time to RMSE {:g}</th><th>samples</th>", target);
     add("</tr></thead><tbody>\n");
     for (const Curve& curve : curvesOf(scene)) {
-      add("<tr><td>{}, {}</td><td>{}</td>", escaped(scene.renderers[curve.renderer]->name), samplerName(curve.sampler),
+      add("<tr><td>{}, {}</td><td>{}</td>", escaped(scene.renderers[curve.renderer].name), samplerName(curve.sampler),
           curve.slope ? fmt::format("{:.2f}", *curve.slope) : "");
       for (const std::optional<Reach>& reach : curve.targets) {
         if (reach)

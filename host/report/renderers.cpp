@@ -36,11 +36,12 @@ class ReferencePictures : public Renderer {
   ReferencePictures(const Scene& scene, ReferenceOf which)
       : scene_(which == ReferenceOf::scene ? scene : roundScene(scene)) {
     const bool isScene = which == ReferenceOf::scene;
-    name = isScene ? "reference" : "rounded";
-    device = "reference";
-    driver = "double precision";
-    type = "CPU";
-    options = std::string("--backend reference") + (isScene ? "" : " --geometry rounded");
+    info.name = isScene ? "reference" : "rounded";
+    info.device = "reference";
+    info.driver = "double precision";
+    info.type = "CPU";
+    info.options = std::string("--backend reference") + (isScene ? "" : " --geometry rounded");
+    info.origin = std::string("--backend reference --geometry ") + (isScene ? "exact" : "rounded");
   }
 
   TimedPicture render(const RenderSettings& settings, const Progress& progress) override {
@@ -56,18 +57,19 @@ class ReferencePictures : public Renderer {
 
 class ShaderPictures : public Renderer {
  public:
-  ShaderPictures(const Scene& scene, const DeviceInfo& info, const std::string& shaders)
+  ShaderPictures(const Scene& scene, const DeviceInfo& device, const std::string& shaders)
       : scene_(scene),
-        renderer_(info),
+        renderer_(device),
         kernel_(compileGlsl(shaders + "/whitted.comp", fetchPreamble(renderer_.fetch()))) {
-    name = shortName(info);
-    device = info.name;
-    driver = info.driver;
-    type = info.type;
-    options = fmt::format("--device {}", info.index);
+    info.name = shortName(device);
+    info.device = device.name;
+    info.driver = device.driver;
+    info.type = device.type;
+    info.options = fmt::format("--device {}", device.index);
+    info.origin = "--backend shader --geometry rounded";
     const auto* words = reinterpret_cast<const char*>(kernel_.words.data());
-    content = sha256Hex(fmt::format("{}\n{}\n", device, driver) +
-                        sha256Hex({words, kernel_.words.size() * sizeof(uint32_t)}));
+    info.content = sha256Hex(fmt::format("{}\n{}\n", device.name, device.driver) +
+                             sha256Hex({words, kernel_.words.size() * sizeof(uint32_t)}));
   }
 
   TimedPicture render(const RenderSettings& settings, const Progress& progress) override {

@@ -18,17 +18,23 @@ struct TimedPicture {
   double seconds = 0;  // of tracing, warm: by the device's clock, of the reference by the wall's
 };
 
+// Who renders, in words.
+struct RendererInfo {
+  std::string name;     // "llvmpipe", "reference": unique within a report; of files
+  std::string device;   // as the driver says
+  std::string driver;   // of a device
+  std::string type;     // "discrete GPU", ..., "CPU"
+  std::string options;  // of the render command, to choose it
+  std::string origin;   // as the render command writes it into an EXR
+  std::string content;  // a hash of what its pictures depend on besides scene and settings
+};
+
 class Renderer {
  public:
   virtual ~Renderer() = default;
   virtual TimedPicture render(const RenderSettings& settings, const Progress& progress) = 0;
 
-  std::string name;     // "llvmpipe", "reference": of the files, unique within a report
-  std::string device;   // as the driver says
-  std::string driver;   // of a device
-  std::string type;     // "discrete GPU", ..., "CPU"
-  std::string options;  // of the render command, to choose it
-  std::string content;  // a hash of what its pictures depend on besides scene and settings
+  RendererInfo info;
 };
 
 // The reference of the scene as it is, and of the rounded one, which is nobody's picture but tells errors apart.

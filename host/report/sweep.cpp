@@ -8,7 +8,7 @@ namespace turner {
 namespace {
 
 constexpr int kSamples[] = {1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256};
-constexpr int kDepths[] = {1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48};
+constexpr int kDepths[] = {1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 16, 24, 32, 48};
 constexpr double kMinWeights[] = {0.3, 0.1, 0.03, 0.01};
 // Cut-offs are compared at the same samples, so that few are enough; with fewer they would hardly be on the Pareto
 // front.

@@ -30,7 +30,7 @@ void putSeconds(JsonText& json, const Point& point) {
 void putPoint(JsonText& json, const Machine& machine, const SweptScene& scene, const Point& point, bool onFront) {
   json.object([&] {
     json.put("name", point.name);
-    json.put("device", scene.renderers[point.renderer]->name);
+    json.put("device", scene.renderers[point.renderer].name);
     json.put("sampler", samplerName(point.setting.sampler));
     json.put("samples", point.setting.samples);
     json.put("depth", point.setting.depth);
@@ -61,7 +61,7 @@ void putPoint(JsonText& json, const Machine& machine, const SweptScene& scene, c
 
 void putCurve(JsonText& json, const SweptScene& scene, const Curve& curve) {
   json.object([&] {
-    json.put("device", scene.renderers[curve.renderer]->name);
+    json.put("device", scene.renderers[curve.renderer].name);
     json.put("sampler", samplerName(curve.sampler));
     json.put("slope", curve.slope.value_or(NAN));
     json.array("reaches", [&] {
@@ -92,15 +92,15 @@ void putScene(JsonText& json, const Machine& machine, const SweptScene& scene) {
     json.array("devices", [&] {
       for (const auto& renderer : scene.renderers) {
         json.object([&] {
-          json.put("device", renderer->name);
-          json.put("name", renderer->device);
-          json.put("driver", renderer->driver);
-          json.put("type", renderer->type);
+          json.put("device", renderer.name);
+          json.put("name", renderer.device);
+          json.put("driver", renderer.driver);
+          json.put("type", renderer.type);
         });
       }
     });
     json.object("converged", [&] {
-      json.put("device", scene.renderers[scene.convergedBy.renderer]->name);
+      json.put("device", scene.renderers[scene.convergedBy.renderer].name);
       json.put("samples", 2 * uint64_t(scene.converged.samples) * uint64_t(scene.converged.samples));
       json.put("own_error", scene.converged.ownError);
       json.put("own_rel_error", scene.converged.ownRelative);
@@ -165,7 +165,7 @@ std::string reportCsv(const Machine& machine, const std::vector<SweptScene>& sce
     const std::vector<size_t> front = paretoFront(scene);
     for (size_t i = 0; i < scene.points.size(); ++i) {
       const Point& p = scene.points[i];
-      const Renderer& renderer = *scene.renderers[p.renderer];
+      const RendererInfo& renderer = scene.renderers[p.renderer];
       const auto [least, most] = std::minmax_element(p.seconds.begin(), p.seconds.end());
       const bool onFront = std::find(front.begin(), front.end(), i) != front.end();
       const std::vector<std::string> fields = {field(scene.path),
