@@ -1,0 +1,326 @@
+// What a report computes from what it has measured.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "errors.h"
+#include "report/chart.h"
+#include "report/converged.h"
+#include "report/figures.h"
+#include "report/journal.h"
+#include "report/page.h"
+#include "report/sweep.h"
+#include "report/tables.h"
+#include "temporary_folder.h"
+
+namespace turner {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Not;
+
+// ---- the sweep ----
+
+Scene sceneWith(double reflect) {
+  Scene scene;
+  scene.materials = {{.name = "m", .diffuse = glm::dvec3(1), .reflect = reflect}};
+  return scene;
+}
+
+RenderSettings depthOf(int depth) {
+  RenderSettings whole;
+  whole.depth = depth;
+  return whole;
+}
+
+std::vector<std::string> names(const std::vector<Setting>& settings, const RenderSettings& whole) {
+  std::vector<std::string> found;
+  for (const Setting& setting : settings) found.push_back(settingName(setting, whole));
+  return found;
+}
+
+TEST(Sweep, HasEverySamplerWithEveryNumberOfSamples) {
+  const RenderSettings whole = depthOf(5);
+  EXPECT_THAT(names(planSweep(sceneWith(0), whole, 2), whole),
+              ElementsAre("grid-1x1", "jitter-1x1", "sobol-1x1", "grid-2x2", "jitter-2x2", "sobol-2x2"));
+  // 5 is not among the numbers: the last one below it is 4.
+  EXPECT_EQ(planSweep(sceneWith(0), whole, 5).back().samples, 4);
+}
+
+TEST(Sweep, CutsOffOnlyWhereASceneSpawnsRays) {
+  const RenderSettings whole = depthOf(3);
+  EXPECT_THAT(
+      names(planSweep(sceneWith(0.5), whole, 1), whole),
+      ElementsAre("grid-1x1", "jitter-1x1", "sobol-1x1", "sobol-1x1-depth1", "sobol-1x1-depth2", "sobol-1x1-weight0.3",
+                  "sobol-1x1-weight0.1", "sobol-1x1-weight0.03", "sobol-1x1-weight0.01"));
+  EXPECT_EQ(planSweep(sceneWith(0.5), depthOf(1), 1).size(), 3u);
+}
+
+// ---- figures ----
+
+// A scene measured on one device and the reference: rmse = factor * samples^slope, seconds = samples * cost.
+struct Law {
+  double factor, slope, cost;
+};
+
+SweptScene measured(const std::vector<std::pair<Sampler, Law>>& laws, const std::vector<int>& numbers = {1, 2, 4, 8}) {
+  SweptScene scene;
+  scene.path = "scene's.json";
+  scene.whole.depth = 5;
+  scene.renderers = {{.name = "device", .options = "--device 0"},
+                     {.name = "reference", .options = "--backend reference"}};
+  for (const int n : numbers)
+    for (const auto& [sampler, law] : laws) {
+      Point point;
+      point.setting = {sampler, n, 5, 0};
+      point.name = "device-" + settingName(point.setting, scene.whole);
+      point.rmse = law.factor * std::pow(double(n) * n, law.slope);
+      point.rmses = {point.rmse};
+      point.seconds = {law.cost * n * n};
+      scene.points.push_back(point);
+    }
+  return scene;
+}
+
+TEST(Figures, SlopeOfAPowerLawIsItsPower) {
+  EXPECT_NEAR(logSlope({1, 2, 8}, {3, 3 * std::pow(2, -0.75), 3 * std::pow(8, -0.75)}).value(), -0.75, 1e-12);
+  EXPECT_FALSE(logSlope({2, 2}, {1, 3}).has_value());
+  EXPECT_FALSE(logSlope({1, 2}, {0, 0}).has_value());  // no error has no logarithm
+  const SweptScene scene = measured({{Sampler::jitter, {0.1, -0.6, 1}}});
+  EXPECT_NEAR(curvesOf(scene).at(0).slope.value(), -0.6, 1e-12);
+}
+
+TEST(Figures, ReachesAnErrorWhereThePowerLawDoes) {
+  // 0.05 N^-1/2: 0.01 at 25 samples, between the measured 16 and 64; 0.001 at 2500, beyond.
+  const std::vector<Curve> curves = curvesOf(measured({{Sampler::jitter, {0.05, -0.5, 0.1}}}));
+  ASSERT_TRUE(curves[0].targets[0] && curves[0].targets[1]);
+  EXPECT_NEAR(curves[0].targets[0]->samples, 25, 1e-9);
+  EXPECT_NEAR(curves[0].targets[0]->seconds, 2.5, 1e-9);
+  EXPECT_FALSE(curves[0].targets[0]->extrapolated);
+  EXPECT_NEAR(curves[0].targets[1]->samples, 2500, 1e-6);
+  EXPECT_TRUE(curves[0].targets[1]->extrapolated);
+  // Never, where the error does not fall, or only beyond what a renderer takes.
+  EXPECT_FALSE(curvesOf(measured({{Sampler::grid, {0.05, 0, 1}}}))[0].targets[0].has_value());
+  EXPECT_FALSE(curvesOf(measured({{Sampler::grid, {1, -0.3, 1}}}))[0].targets[1].has_value());
+  // At once, where one sample is good enough.
+  EXPECT_EQ(curvesOf(measured({{Sampler::grid, {0.005, -0.5, 1}}}))[0].targets[0]->samples, 1);
+}
+
+TEST(Figures, FrontHasWhatNothingBeatsInBoth) {
+  // jitter costs twice as much and is as wrong: none of it is on the front.
+  SweptScene scene = measured({{Sampler::grid, {0.1, -0.5, 1}}, {Sampler::jitter, {0.1, -0.5, 2}}});
+  for (const size_t i : paretoFront(scene)) EXPECT_EQ(scene.points[i].setting.sampler, Sampler::grid);
+  EXPECT_EQ(paretoFront(scene).size(), 4u);
+  // What has a NaN is on no front, however fast.
+  scene.points[0].total.nan = 1;
+  EXPECT_EQ(paretoFront(scene).size(), 4u);  // jitter 1x1 takes its place
+  EXPECT_EQ(scene.points[paretoFront(scene)[0]].setting.sampler, Sampler::jitter);
+}
+
+TEST(Figures, LeadChangesWhereCurvesCross) {
+  // 0.1 t^-1/2 against 0.2 t^-3/4: equal at t = 16.
+  const SweptScene scene =
+      measured({{Sampler::grid, {0.1, -0.5, 1}}, {Sampler::sobol, {0.2, -0.75, 1}}}, {1, 2, 3, 8, 16});
+  const std::vector<Curve> curves = curvesOf(scene);
+  const std::vector<Lead> leads = leadsOf(scene, curves[0], curves[1]);
+  ASSERT_EQ(leads.size(), 2u);
+  EXPECT_TRUE(leads[0].ofFirst);
+  EXPECT_FALSE(leads[1].ofFirst);
+  EXPECT_NEAR(leads[1].seconds, 16, 1e-9);
+  EXPECT_NEAR(leads[1].rmse, 0.025, 1e-9);
+  const std::vector<std::string> sentences = findings(scene);
+  EXPECT_THAT(sentences,
+              testing::Contains(HasSubstr("grid on device is less wrong than sobol on device; from 16 s (RMSE "
+                                          "0.025) on, sobol on device is.")));
+}
+
+TEST(Figures, DifferencesOfNoiseAreNoLead) {
+  const SweptScene scene = measured({{Sampler::grid, {0.1, -0.5, 1}}, {Sampler::sobol, {0.103, -0.51, 1}}});
+  const std::vector<Curve> curves = curvesOf(scene);
+  EXPECT_TRUE(leadsOf(scene, curves[0], curves[1]).empty());
+}
+
+TEST(Figures, ATableWithoutErrorsIsStillOne) {
+  SweptScene scene = measured({{Sampler::grid, {0, -0.5, 1}}});
+  EXPECT_FALSE(curvesOf(scene)[0].slope.has_value());
+  const std::string json = reportJson({}, [&] {
+    std::vector<SweptScene> scenes;
+    scenes.push_back(std::move(scene));
+    return scenes;
+  }());
+  EXPECT_THAT(json, HasSubstr("\"efficiency\": null"));
+  EXPECT_THAT(json, Not(HasSubstr("inf,")));
+  EXPECT_THAT(json, Not(HasSubstr("nan,")));
+}
+
+TEST(Figures, CommandsAreQuotedForAShell) {
+  SweptScene scene = measured({{Sampler::sobol, {0.1, -0.5, 1}}}, {4});
+  scene.points[0].setting.minWeight = 0.1;
+  EXPECT_EQ(
+      renderCommand(scene, scene.points[0], "my shaders"),
+      "turner render 'scene'\\''s.json' -o device-sobol-4x4.exr --width 512 --height 512 --samples 4 --sampler sobol "
+      "--seed 0 --depth 5 --min-weight 0.1 --device 0 --shaders 'my shaders'");
+}
+
+TEST(Figures, MedianOfAnEvenNumberIsBetween) {
+  Point point;
+  point.seconds = {4, 1, 2, 30};
+  EXPECT_EQ(point.medianSeconds(), 3);
+  point.rmse = 0.5;
+  EXPECT_DOUBLE_EQ(point.efficiency(), 1 / (0.25 * 3));
+}
+
+// ---- the converged picture ----
+
+// A renderer that is wrong by noise of a known rms: level * N^-3/4.
+RenderPicture noisy(double level, std::vector<RenderSettings>* asked = nullptr) {
+  return [=](const RenderSettings& settings) {
+    if (asked) asked->push_back(settings);
+    std::mt19937 random(settings.seed);
+    const double rms = level * std::pow(double(settings.samples) * settings.samples, -0.75);
+    std::normal_distribution<double> noise(0, rms);
+    Image image(settings.width, settings.height, settings.crop);
+    for (float& value : image.rgb) value = float(0.5 + noise(random));
+    return image;
+  };
+}
+
+RenderSettings small() {
+  RenderSettings settings;
+  settings.width = settings.height = 64;
+  settings.crop = {0, 0, 64, 64};
+  settings.minWeight = 0.1;
+  return settings;
+}
+
+TEST(ConvergedPicture, KnowsItsOwnErrorAndIsGoodEnough) {
+  std::vector<RenderSettings> asked;
+  const Converged converged = converge(noisy(1, &asked), small(), 2, [](const Image&, double) { return 0.04; });
+  EXPECT_TRUE(converged.enough);
+  EXPECT_LE(converged.ownError, 0.01);
+  double squares = 0;
+  for (const float value : converged.mean.rgb) squares += (value - 0.5) * (value - 0.5);
+  EXPECT_NEAR(converged.ownError, std::sqrt(squares / double(converged.mean.rgb.size())), 0.03 * converged.ownError);
+  // Another sampler and another seed for each half, and nothing cut off.
+  ASSERT_GE(asked.size(), 4u);
+  for (size_t i = 0; i < asked.size(); i += 2) {
+    EXPECT_NE(asked[i].sampler, asked[i + 1].sampler);
+    EXPECT_NE(asked[i].seed, asked[i + 1].seed);
+    EXPECT_EQ(asked[i].minWeight, 0);
+  }
+  // No more samples than the error asks for: 0.01 needs 0.71 * (N / 1)^-0.75, n = 17.
+  EXPECT_LE(converged.samples, 24);
+}
+
+TEST(ConvergedPicture, SaysWhenItIsNotGoodEnough) {
+  const Converged converged = converge(noisy(1000), small(), 200, [](const Image&, double) { return 1e-3; });
+  EXPECT_FALSE(converged.enough);
+  EXPECT_EQ(converged.samples, kMaxSamples);
+}
+
+TEST(ConvergedPicture, IsFoundInTheCacheAgainAndNotUnderAnotherKey) {
+  const test::TemporaryFolder folder;
+  const char* before = std::getenv("XDG_CACHE_HOME");
+  const std::string old = before ? before : "";
+  setenv("XDG_CACHE_HOME", folder.path.c_str(), 1);
+  std::vector<RenderSettings> asked;
+  const Image first = cached(noisy(1, &asked), "key")(small());
+  EXPECT_EQ(cached(noisy(1, &asked), "key")(small()).rgb, first.rgb);
+  EXPECT_EQ(asked.size(), 1u);
+  (void)cached(noisy(1, &asked), "another")(small());
+  RenderSettings other = small();
+  other.seed = 5;
+  (void)cached(noisy(1, &asked), "key")(other);
+  EXPECT_EQ(asked.size(), 3u);
+  // A damaged file is rendered again and replaced.
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder.path))
+    if (entry.is_regular_file()) std::ofstream(entry.path()) << "no picture";
+  EXPECT_EQ(cached(noisy(1, &asked), "key")(small()).rgb, first.rgb);
+  EXPECT_EQ(cached(noisy(1, &asked), "key")(small()).rgb, first.rgb);
+  EXPECT_EQ(asked.size(), 4u);
+  before ? setenv("XDG_CACHE_HOME", old.c_str(), 1) : unsetenv("XDG_CACHE_HOME");
+}
+
+// ---- the journal ----
+
+TEST(Journal, GoesOnWithWhatWasWrittenWhole) {
+  const test::TemporaryFolder folder;
+  const std::string path = (folder.path / "unfinished").string();
+  Image image(2, 1, {0, 0, 2, 1});
+  image.rgb = {0.1f, 0.2f, 0.3f, 0.4f, 0.5f, 0.6f};
+  {
+    Journal journal(path);
+    journal.keep("a", image, {});
+    journal.add("a", 0, {.seconds = 1.0 / 3, .meanSquare = -1});
+    journal.add("a", 1, {.seconds = 0.25, .meanSquare = 1e-7});
+    journal.decide("converged", "reference");
+  }
+  // Killed while it wrote.
+  std::ofstream(path + "/journal", std::ios::app) << "measured a 2 0.12";
+  {
+    Journal journal(path);
+    EXPECT_EQ(journal.size(), 2u);
+    EXPECT_EQ(journal.find("a", 0)->seconds, 1.0 / 3);  // to the last bit
+    EXPECT_EQ(journal.find("a", 1)->meanSquare, 1e-7);
+    EXPECT_FALSE(journal.find("a", 2).has_value());
+    EXPECT_EQ(journal.decision("converged"), "reference");
+    EXPECT_EQ(journal.picture("a").rgb, image.rgb);
+    journal.add("a", 2, {.seconds = 9, .meanSquare = 1});
+  }
+  EXPECT_EQ(Journal(path).find("a", 2)->seconds, 9);
+}
+
+TEST(Journal, IsForOneProcessAtATime) {
+  const test::TemporaryFolder folder;
+  const Journal journal(folder.path.string());
+  EXPECT_THROW(Journal(folder.path.string()), InputError);
+}
+
+// ---- charts and colours ----
+
+TEST(Chart, EscapesWhatItIsGivenAndLeavesOutWhatHasNoLogarithm) {
+  Chart chart{"a < b & 'c'", "x", "y", {}, {}, "", {}};
+  chart.series = {
+      {.name = "<script>",
+       .marks = {{1, 1, "one", "1", "", false}, {2, 0, "none", "2", "", false}, {10, 0.1, "three", "3", "", true}}}};
+  const std::string svg = svgOf(chart);
+  EXPECT_THAT(svg, HasSubstr("&lt;script&gt;"));
+  EXPECT_THAT(svg, HasSubstr("a &lt; b &amp; &#39;c&#39;"));
+  EXPECT_THAT(svg, HasSubstr("data-point='1'"));
+  EXPECT_THAT(svg, Not(HasSubstr("data-point='2'")));
+  EXPECT_THAT(svg, Not(HasSubstr("nan")));
+  EXPECT_THAT(svg, Not(HasSubstr("inf")));
+}
+
+TEST(Chart, WithoutAnyErrorSaysSo) {
+  EXPECT_THAT(svgOf({}), HasSubstr("no error to draw"));
+}
+
+TEST(Chart, OfASinglePointHasAxes) {
+  Chart chart;
+  chart.series = {{.name = "s", .marks = {{3, 4, "l", "i", "", false}}}};
+  EXPECT_THAT(svgOf(chart), Not(HasSubstr("nan")));
+}
+
+TEST(ColouredError, GrowsBrighterWithTheError) {
+  Image a(5, 1, {0, 0, 5, 1}), b = a;
+  const float errors[] = {0, 1e-3f, 1e-2f, 1, NAN};
+  for (size_t i = 0; i < 5; ++i) a.rgb[3 * i + 1] = errors[i];
+  const Image coloured = colouredError(a, b);
+  const auto luminance = [&](size_t i) {
+    return 0.2126f * coloured.rgb[3 * i] + 0.7152f * coloured.rgb[3 * i + 1] + 0.0722f * coloured.rgb[3 * i + 2];
+  };
+  for (size_t i = 0; i + 2 < 5; ++i) EXPECT_LT(luminance(i), luminance(i + 1)) << i;
+  EXPECT_EQ(luminance(3), luminance(4));  // what is no number is as wrong as can be
+}
+
+}  // namespace
+}  // namespace turner
