@@ -900,7 +900,7 @@ class Compare(Command):
 
     def test_the_three_errors_keep_renders_options(self):
         crop = ["--width", "32", "--height", "32", "--crop", "4,4,20,12", "--depth", "2", "--min-weight", "0.3"]
-        for sampler in (["grid"], ["jitter", "--seed", "4294967295"]):
+        for sampler in (["grid"], ["jitter", "--seed", "4294967295"], ["sobol", "--samples", "6"]):
             parts = self.figures(SCENES / "glass.json", *crop, "--sampler", *sampler, "--decompose")["decompose"]
             for part in parts.values():
                 self.assertEqual((part["width"], part["height"], part["nan"]), (16, 8, 0))
@@ -1135,7 +1135,7 @@ class CommandLine(Command):
     def test_wrong_choices_are_refused_with_the_choices(self):
         scene = self.write("scene.json", SPHERE)
         for option, choices in (
-            ("--sampler", ("grid", "jitter")),
+            ("--sampler", ("grid", "jitter", "sobol")),
             ("--backend", ("shader", "reference")),
             ("--geometry", ("exact", "rounded")),
         ):
