@@ -37,7 +37,8 @@ def main():
             done = subprocess.run(command, shell=True, cwd=folder, env=environment, timeout=600)
             if done.returncode != 0:
                 sys.exit(f"exit code {done.returncode}: {command}")
-        missing = [name for name in ("spheres.png", "part.json", "witness.exr", "cow.png")
+        missing = [name for name in ("spheres.png", "part.json", "witness.exr", "cow.png",
+                                "report/report.html")
                    if not os.path.getsize(os.path.join(folder, name))]
         assert not missing, missing
     finally:

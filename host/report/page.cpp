@@ -89,6 +89,32 @@ Mark markOf(const SweptScene& scene, const Point& point, double x, bool onFront)
   return mark;
 }
 
+std::string errorOverTime(const SweptScene& scene) {
+  Chart chart{"RMSE over time of tracing", "time of tracing, seconds", "RMSE", {}, {}, "Pareto front", {}};
+  chart.guides.assign(std::begin(kTargets), std::end(kTargets));
+  const std::vector<size_t> front = paretoFront(scene);
+  const auto onFront = [&](size_t i) { return std::find(front.begin(), front.end(), i) != front.end(); };
+  for (const Curve& curve : curvesOf(scene)) {
+    Series series = seriesOf(scene, curve);
+    for (const size_t i : curve.points)
+      series.marks.push_back(markOf(scene, scene.points[i], scene.points[i].medianSeconds(), onFront(i)));
+    chart.series.push_back(std::move(series));
+  }
+  for (const bool depths : {true, false})
+    for (size_t renderer = 0; renderer < scene.renderers.size(); ++renderer) {
+      Series series = cutSeries(scene, renderer, depths);
+      for (size_t i = 0; i < scene.points.size(); ++i) {
+        const Point& point = scene.points[i];
+        const bool isDepth = point.setting.depth != scene.whole.depth, isWeight = point.setting.minWeight > 0;
+        if (point.renderer == renderer && (depths ? isDepth : isWeight))
+          series.marks.push_back(markOf(scene, point, point.medianSeconds(), onFront(i)));
+      }
+      if (!series.marks.empty()) chart.series.push_back(std::move(series));
+    }
+  for (const size_t i : front) chart.stairs.emplace_back(scene.points[i].medianSeconds(), scene.points[i].rmse);
+  return svgOf(chart);
+}
+
 std::string errorOverSamples(const SweptScene& scene) {
   Chart chart{"RMSE over samples in each pixel", "samples in each pixel", "RMSE", {}, {}, "", {}};
   // The error hardly depends on who renders: the first device's is drawn.
@@ -274,7 +300,9 @@ class Page {
     add("<h3>All points</h3>\n<p class='note'>Bold: on the Pareto front. Click on a heading to sort by it, on a row to "
         "see it "
         "in the charts.</p>\n<div class='wide'><table class='points'><thead><tr>");
-    for (const char* column : kColumns) add("<th scope='col'><button>{}</button></th>", column);
+    for (const char* column : kColumns)
+      add("<th scope='col'{}><button>{}</button></th>", column == std::string("to repeat it") ? " class='command'" : "",
+          column);
     add("</tr></thead><tbody>\n");
     const std::vector<size_t> front = paretoFront(scene);
     for (size_t i = 0; i < scene.points.size(); ++i) {
@@ -320,32 +348,6 @@ class Page {
 };
 
 }  // namespace
-
-std::string errorOverTime(const SweptScene& scene) {
-  Chart chart{"RMSE over time of tracing", "time of tracing, seconds", "RMSE", {}, {}, "Pareto front", {}};
-  chart.guides.assign(std::begin(kTargets), std::end(kTargets));
-  const std::vector<size_t> front = paretoFront(scene);
-  const auto onFront = [&](size_t i) { return std::find(front.begin(), front.end(), i) != front.end(); };
-  for (const Curve& curve : curvesOf(scene)) {
-    Series series = seriesOf(scene, curve);
-    for (const size_t i : curve.points)
-      series.marks.push_back(markOf(scene, scene.points[i], scene.points[i].medianSeconds(), onFront(i)));
-    chart.series.push_back(std::move(series));
-  }
-  for (const bool depths : {true, false})
-    for (size_t renderer = 0; renderer < scene.renderers.size(); ++renderer) {
-      Series series = cutSeries(scene, renderer, depths);
-      for (size_t i = 0; i < scene.points.size(); ++i) {
-        const Point& point = scene.points[i];
-        const bool isDepth = point.setting.depth != scene.whole.depth, isWeight = point.setting.minWeight > 0;
-        if (point.renderer == renderer && (depths ? isDepth : isWeight))
-          series.marks.push_back(markOf(scene, point, point.medianSeconds(), onFront(i)));
-      }
-      if (!series.marks.empty()) chart.series.push_back(std::move(series));
-    }
-  for (const size_t i : front) chart.stairs.emplace_back(scene.points[i].medianSeconds(), scene.points[i].rmse);
-  return svgOf(chart);
-}
 
 Image colouredError(const Image& a, const Image& b) {
   Image coloured(a.width, a.height, a.window);

@@ -14,9 +14,6 @@ using PictureOf = std::function<Image(size_t scene, const Point&)>;
 
 std::string reportPage(const Machine& machine, const std::vector<SweptScene>& scenes, const PictureOf& pictureOf);
 
-// The chart of error over time alone, for other documents.
-std::string errorOverTime(const SweptScene& scene);
-
 // |A - B| by the largest of a pixel's channels, on a logarithmic scale of colours from 1e-4 (dark) to 1 (bright).
 Image colouredError(const Image& a, const Image& b);
 
