@@ -140,7 +140,7 @@ class Report(InFolder):
             self.assertEqual(command[0], "turner")
             run(command[1:], cwd=self.folder)
             kept = self.folder / "out/pictures" / f"1-glass-{name}.exr"
-            self.assertEqual((self.folder / f"{name}.exr").read_bytes(), kept.read_bytes(), name)
+            self.assertEqual((self.folder / f"glass-{name}.exr").read_bytes(), kept.read_bytes(), name)
 
     def test_a_scene_without_mirrors_or_errors(self):
         empty = self.folder / "nothing.json"
@@ -160,6 +160,51 @@ class Report(InFolder):
                               "--repeats", "1")
         self.assertEqual(len(report["scenes"]), 2)
         self.assertEqual([s["scene"][-8:] for s in report["scenes"]], ["a/s.json", "b/s.json"])
+
+    def test_names_that_are_hard(self):
+        for name in ("-dash.json", "a 'b' \"c\".json", "</script><script>alert(1)</script>".replace("/", "\\") + ".json",
+                     "x" * 200 + ".json", "\udcff.json"):
+            with self.subTest(name):
+                shutil.copy(ROOT / "scenes/diffuse.json", self.folder / name)
+                run(["report", "--width", "8", "--max-samples", "1", "--repeats", "1", "-o", "out", "--", name],
+                    cwd=self.folder)
+                scene = load(self.folder / "out")["scenes"][0]
+                if "\udcff" not in name:
+                    command = point(scene, f"{device(scene)}-grid-1x1")["command"]
+                    done = subprocess.run(["sh", "-c", command], cwd=self.folder, env={
+                        **os.environ, "PATH": f"{PROGRAM.parent}:{os.environ['PATH']}"}, stdout=subprocess.DEVNULL)
+                    self.assertEqual(done.returncode, 0, command)
+                page = (self.folder / "out/report.html").read_text()
+                self.assertNotIn("<script>alert", page)
+
+    def test_devices_of_one_name_are_told_apart(self):
+        drivers = sorted(pathlib.Path("/usr/share/vulkan/icd.d").glob("lvp_icd*.json"))
+        self.assertTrue(drivers, "lavapipe is installed")
+        copies = []
+        for i in range(3):
+            copies.append(self.folder / f"lvp_{i}.json")
+            shutil.copy(drivers[0], copies[-1])
+        environment = {key: value for key, value in os.environ.items() if key != "TURNER_DEVICE"}
+        environment["VK_DRIVER_FILES"] = environment["VK_ICD_FILENAMES"] = ":".join(map(str, copies))
+        run(["report", ROOT / "scenes/diffuse.json", "--width", "8", "--max-samples", "1", "--repeats", "1", "-o",
+             self.folder / "out"], env=environment)
+        scene = load(self.folder / "out")["scenes"][0]
+        names = [d["device"] for d in scene["devices"]]
+        self.assertEqual((len(names), len(set(names))), (4, 4))
+        self.assertEqual(len({p["name"] for p in scene["points"]}), len(scene["points"]))
+        commands = {p["command"].split(" -o ")[1].split(" ", 1)[1] for p in scene["points"]}
+        self.assertEqual(len(commands), len(scene["points"]))
+
+    def test_a_smooth_picture_does_not_take_for_ever(self):
+        # Of one lit triangle the grid's error is of the last bits: nothing can be converged enough.
+        smooth = self.folder / "smooth.json"
+        smooth.write_text("""{ "camera": { "eye": [0, 0, 2], "target": [0, 0, 0] }, "width": 64, "height": 64,
+          "lights": [ { "position": [1, 1, 3] } ], "materials": { "m": { "diffuse": [0.8, 0.8, 0.8] } },
+          "triangles": [ { "vertices": [[-9, -9, 0], [9, -9, 0], [0, 20, 0]], "material": "m" } ] }""")
+        scene = self.measure(smooth, "--width", "16", "--max-samples", "4", "--repeats", "1")["scenes"][0]
+        if not scene["converged"]["converged"]:
+            self.assertIn("CAUTION", scene["findings"][0])
+            self.assertEqual(scene["converged"]["samples"], 2 * 24 * 24)
 
     def test_wrong_input_is_refused_and_nothing_written(self):
         out = self.folder / "out"
@@ -259,6 +304,27 @@ class Interrupted(InFolder):
         process.communicate()
 
 
+class Damaged(InFolder):
+    ARGUMENTS = ["--width", "32", "--max-samples", "2", "--repeats", "1"]
+
+    def test_pictures_that_are_lost_or_damaged_are_measured_again(self):
+        scene = ROOT / "scenes/diffuse.json"
+        process = subprocess.Popen([str(PROGRAM), "report", scene, *self.ARGUMENTS, "-o", self.folder / "out"],
+                                   stdout=subprocess.DEVNULL)
+        pictures = lambda: sorted((self.folder / "out/unfinished").glob("*/*.exr"))
+        while len(pictures()) < 5:
+            self.assertIsNone(process.poll())
+            time.sleep(0.01)
+        process.kill()
+        process.wait()
+        lost, cut, *_ = pictures()
+        lost.unlink()
+        os.truncate(cut, 100)
+        report = self.measure(scene, *self.ARGUMENTS)
+        self.assertEqual(len(report["scenes"][0]["points"]), 12)
+        self.assertFalse((self.folder / "out/unfinished").exists())
+
+
 class PlantedErrors(InFolder):
     PIXELS = "pixels[at] = packRow(sum / float(SAMPLES * SAMPLES), phase);"
 
@@ -288,6 +354,21 @@ class PlantedErrors(InFolder):
             self.assertGreater(p["p999"], 0.3)
             self.assertLess(p["arithmetic"]["p99"], 1e-3)
         self.assertRegex(" ".join(scene["findings"]), r"puts at most 0\.1\d* % of a picture's pixels off")
+
+    def test_a_nan(self):
+        shaders = self.shaders_with("whitted.comp", self.PIXELS, self.PIXELS.replace(
+            "sum / float(SAMPLES * SAMPLES)",
+            "((pixel.x + 331u * pixel.y) % 900u == 0u ? vec3(uintBitsToFloat(0x7fc00000u)) : sum / float(SAMPLES * SAMPLES))"))
+        scene = self.measure_with("--shaders", shaders)
+        self.assertEqual(scene["converged"]["device"], "reference")
+        for p in self.of_shader(scene):
+            self.assertGreater(p["nan"], 5)
+            self.assertEqual((p["rmse"], p["efficiency"], p["pareto"]), (None, None, False))
+        self.assertTrue(any("pixels with a NaN" in s for s in scene["findings"]))
+        self.assertFalse([c for c in scene["curves"] if c["device"] != "reference"])
+        for p in scene["points"]:
+            if p["device"] == "reference":
+                self.assertEqual(p["nan"], 0)
 
     def test_a_bias(self):
         shaders = self.shaders_with("whitted.comp", self.PIXELS,

@@ -83,5 +83,23 @@ TEST(Samplers, SobolNeedsFewerSamplesThanJitterAtEdges) {
     EXPECT_LT(edgeError(Sampler::sobol, n), 0.9 * edgeError(Sampler::jitter, n)) << n;
 }
 
+// Smooth shading: the mean of exp(1.3 x + 0.7 y) over the pixel, as root mean square over many pixels.
+double smoothError(Sampler sampler, uint32_t n) {
+  const double exact = (std::exp(1.3) - 1) / 1.3 * (std::exp(0.7) - 1) / 0.7;
+  double squares = 0;
+  constexpr uint32_t trials = 2000;
+  for (uint32_t t = 0; t < trials; ++t) {
+    double sum = 0;
+    for (const dvec2& p : hashedPositions(sampler, n, t, 7, 3)) sum += std::exp(1.3 * p.x + 0.7 * p.y);
+    squares += (sum / (n * n) - exact) * (sum / (n * n) - exact);
+  }
+  return std::sqrt(squares / trials);
+}
+
+TEST(Samplers, SobolIsBetterThanJitterOnSmoothShading) {
+  for (const uint32_t n : {2u, 3u, 4u, 5u, 6u, 7u, 8u, 9u, 10u, 11u, 12u, 13u, 14u, 15u, 16u, 24u, 32u})
+    EXPECT_LT(smoothError(Sampler::sobol, n), smoothError(Sampler::jitter, n)) << n;
+}
+
 }  // namespace
 }  // namespace turner

@@ -102,8 +102,8 @@ void addRenderOptions(CLI::App& command, RenderOptions& options) {
              "Levels of the ray tree; the eye ray is level 1 (default: the scene's)");
   addChoice<Sampler>(command, "--sampler", options.sampler,
                      {{"grid", Sampler::grid}, {"jitter", Sampler::jitter}, {"sobol", Sampler::sobol}},
-                     "Where samples lie: at cell centres, hashed inside the cells, or spread evenly as well along each "
-                     "axis (default: grid)");
+                     "Where samples lie: at cell centres, hashed inside the cells, or spread evenly along each axis as "
+                     "well, best with --samples of factors 2 and 3 (default: grid)");
   addInteger(command, "--seed", options.seed, 0, UINT32_MAX, "Seed of jitter and sobol (default: 0)");
   addNumber(command, "--min-weight", options.minWeight, 1,
             "Drop rays whose product of r and t factors is below this (default: 0)");
@@ -169,16 +169,20 @@ void addReport(CLI::App& app, ReportOptions& options) {
   command->add_option("SCENES", options.scenes, "One or more .json or .nff scenes")->required();
   addText(*command, "-o,--output", options.output, "DIR",
           "Folder for report.html, report.json and report.csv (default: report)");
-  CLI::Option* quick = command->add_flag("--quick", options.quick,
-                                         "At most 8 x 8 samples, 40000 pixels and 3 repeats: some minutes (default)");
+  CLI::Option* quick = command->add_flag(
+      "--quick", options.quick,
+      "At most 8 x 8 samples, 3 repeats, and 40000 pixels unless their size is given: some minutes for most scenes "
+      "(default)");
   command->add_flag("--full", options.full, "At most 16 x 16 samples, the scene's own size, 10 repeats")
       ->excludes(quick);
   addInteger(*command, "--max-samples", options.maxSamples, 1, kMaxSamples,
-             "Most samples n of n x n (default: 8, with --full 16)");
+             "Most samples n of n x n; measured are this one and 1, 2, 3, 4, 6, 8, 12, 16, ... below (default: 8, with "
+             "--full 16)");
   addInteger(*command, "--repeats", options.repeats, 1, 1000,
              "Measurements of each point, each with a seed of its own (default: 3, with --full 10)");
-  addInteger(*command, "--width", options.width, 1, kMaxSize,
-             "Width of the pictures in pixels; without --height that follows (default: the scene's)");
+  addInteger(
+      *command, "--width", options.width, 1, kMaxSize,
+      "Width of the pictures in pixels; without --height that follows (default: the scene's, smaller with --quick)");
   addInteger(*command, "--height", options.height, 1, kMaxSize, "Height of the pictures in pixels");
   addInteger(*command, "--depth", options.depth, 1, kMaxDepth,
              "Levels of the ray tree, the most that is measured (default: the scene's)");

@@ -2,6 +2,7 @@
 #include "command/progress_line.h"
 
 #include <fmt/format.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <cstdio>
@@ -10,33 +11,59 @@
 #include "command/interrupt.h"
 
 namespace turner {
+namespace {
 
-ProgressLine::ProgressLine(std::string what, double samples, bool quiet)
-    : what_(std::move(what)), samples_(samples), quiet_(quiet), terminal_(isatty(STDERR_FILENO)) {}
+// A line that is longer would wrap, and each renewal scroll.
+size_t terminalWidth() {
+  winsize size{};
+  return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 1 ? size.ws_col - 1u : 79;
+}
 
-ProgressLine::~ProgressLine() {
+}  // namespace
+
+StatusLine::StatusLine(bool quiet) : quiet_(quiet), terminal_(isatty(STDERR_FILENO)) {}
+
+StatusLine::~StatusLine() {
   if (shown_ && terminal_) std::fputc('\n', stderr);
 }
 
-void ProgressLine::operator()(double share) {
-  throwIfInterrupted();
+bool StatusLine::isDue() {
+  if (quiet_) return false;
+  const std::chrono::duration<double> sinceLast = Clock::now() - last_;
+  return sinceLast.count() >= (terminal_ ? 0.1 : 2.0);
+}
+
+void StatusLine::show(const std::string& text) {
   if (quiet_) return;
-  const Clock::time_point now = Clock::now();
-  // A terminal can be renewed ten times a second; a log wants a line now and then.
-  const std::chrono::duration<double> sinceLast = now - last_, elapsed = now - start_;
-  if (sinceLast.count() < (terminal_ ? 0.1 : 2.0) || share <= 0) return;
-  last_ = now;
+  last_ = Clock::now();
   shown_ = true;
-  const double rate = share * samples_ / elapsed.count();
-  const double left = elapsed.count() * (1 - share) / share;
-  const std::string text =
-      fmt::format("{}: {:3.0f} %, {:.3g} Msamples/s, {:.0f} s left", what_, 100 * share, rate * 1e-6, left);
   // Spaces wipe what a longer line before has left.
   if (terminal_)
-    fmt::print(stderr, "\r{:<90}", text);
+    fmt::print(stderr, "\r{:<{}.{}}", text, terminalWidth(), terminalWidth());
   else
     fmt::print(stderr, "{}\n", text);
   std::fflush(stderr);
+}
+
+void StatusLine::note(const std::string& text) {
+  if (quiet_) return;
+  show("");
+  fmt::print(stderr, "{}{}\n", terminal_ ? "\r" : "", text);
+}
+
+double StatusLine::secondsSinceStart() const {
+  return std::chrono::duration<double>(Clock::now() - start_).count();
+}
+
+ProgressLine::ProgressLine(std::string what, double samples, bool quiet)
+    : what_(std::move(what)), samples_(samples), line_(quiet) {}
+
+void ProgressLine::operator()(double share) {
+  throwIfInterrupted();
+  if (share <= 0 || !line_.isDue()) return;
+  const double elapsed = line_.secondsSinceStart();
+  line_.show(fmt::format("{}: {:3.0f} %, {:.3g} Msamples/s, {:.0f} s left", what_, 100 * share,
+                         share * samples_ / elapsed * 1e-6, elapsed * (1 - share) / share));
 }
 
 }  // namespace turner

@@ -1,4 +1,4 @@
-// Shows how far a render is: one line that renews itself on a terminal, plain lines elsewhere. Writes to stderr.
+// Shows how far a work is: one line that renews itself on a terminal, plain lines elsewhere. Writes to stderr.
 #pragma once
 
 #include <chrono>
@@ -8,25 +8,44 @@
 
 namespace turner {
 
+// The line itself.
+class StatusLine {
+ public:
+  // Quiet: shows nothing.
+  explicit StatusLine(bool quiet);
+  ~StatusLine();  // ends the line on a terminal
+  StatusLine(const StatusLine&) = delete;
+  StatusLine& operator=(const StatusLine&) = delete;
+
+  // Whether it is time for a new text: a terminal can be renewed ten times a second; a log wants a line now and then.
+  bool isDue();
+  // As much of it as the terminal is wide.
+  void show(const std::string& text);
+  // A line that stays.
+  void note(const std::string& text);
+
+  double secondsSinceStart() const;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  bool quiet_, terminal_;
+  bool shown_ = false;
+  Clock::time_point start_ = Clock::now(), last_ = start_;
+};
+
+// Of a render.
 class ProgressLine {
  public:
-  // `what` names the work; `samples` is all of it. Quiet: shows nothing.
+  // `what` names the work; `samples` is all of it.
   ProgressLine(std::string what, double samples, bool quiet);
-  ~ProgressLine();  // ends the line on a terminal
-
-  // Names the work anew.
-  void rename(const std::string& what) { what_ = what; }
 
   // Takes the share that is done; also the place where Ctrl-C is noticed (throws Interrupted).
   void operator()(double share);
 
  private:
-  using Clock = std::chrono::steady_clock;
   std::string what_;
   double samples_;
-  bool quiet_, terminal_;
-  bool shown_ = false;
-  Clock::time_point start_ = Clock::now(), last_ = start_;
+  StatusLine line_;
 };
 
 }  // namespace turner

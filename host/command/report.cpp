@@ -3,10 +3,12 @@
 #include <sys/utsname.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <ctime>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <optional>
 #include <thread>
 
@@ -71,20 +73,9 @@ std::vector<DeviceInfo> devicesFor(const ReportOptions& options) {
 
 // Devices of one name are numbered.
 void nameApart(std::vector<std::unique_ptr<Renderer>>& renderers) {
-  for (size_t i = 0; i < renderers.size(); ++i) {
-    const auto isSame = [&](const auto& other) { return other->info.name == renderers[i]->info.name; };
-    const auto same = std::count_if(renderers.begin(), renderers.begin() + std::ptrdiff_t(i), isSame);
-    if (same > 0) renderers[i]->info.name += fmt::format("-{}", same + 1);
-  }
-}
-
-std::vector<std::unique_ptr<Renderer>> openRenderers(const Scene& scene, const std::vector<DeviceInfo>& devices,
-                                                     const std::string& shaders) {
-  std::vector<std::unique_ptr<Renderer>> renderers;
-  for (const DeviceInfo& device : devices) renderers.push_back(shaderRenderer(scene, device, shaders));
-  nameApart(renderers);
-  renderers.push_back(referenceRenderer(scene, ReferenceOf::scene));
-  return renderers;
+  std::map<std::string, int> count;
+  for (const auto& renderer : renderers)
+    if (const int number = ++count[renderer->info.name]; number > 1) renderer->info.name += fmt::format("-{}", number);
 }
 
 // Of the program itself: pictures of one build are not another's.
@@ -93,11 +84,96 @@ std::string programHash() {
   return hash;
 }
 
+std::vector<std::unique_ptr<Renderer>> openRenderers(const Scene& scene, const std::vector<DeviceInfo>& devices,
+                                                     const std::string& shaders) {
+  std::vector<std::unique_ptr<Renderer>> renderers;
+  for (const DeviceInfo& device : devices) renderers.push_back(shaderRenderer(scene, device, shaders));
+  nameApart(renderers);
+  renderers.push_back(referenceRenderer(scene, ReferenceOf::scene));
+  for (const auto& renderer : renderers) renderer->info.content += programHash();
+  return renderers;
+}
+
 std::string processorName() {
   std::ifstream file("/proc/cpuinfo");
   for (std::string line; std::getline(file, line);)
     if (line.starts_with("model name")) return line.substr(std::min(line.size(), line.find(':') + 2));
   return "unknown processor";
+}
+
+// The scenes, loaded, what is to be done with each, and by whom.
+struct Plan {
+  std::vector<Scene> scenes;
+  std::vector<SceneToSweep> sweeps;
+  std::vector<DeviceInfo> devices;
+  std::vector<RendererInfo> renderers;
+  std::string shaders;
+  int repeats = kQuickRepeats;
+};
+
+// A scene's name as a part of files' names and a word of the journal.
+std::string wordOf(const std::string& name) {
+  constexpr size_t kLongest = 40;
+  std::string word = name.substr(0, kLongest);
+  for (char& c : word)
+    if (!std::isalnum(static_cast<unsigned char>(c)) && c != '-' && c != '_' && c != '.') c = '_';
+  return word;
+}
+
+// File names may be any bytes, JSON and HTML are UTF-8: bytes that are not become question marks.
+std::string validUtf8(const std::string& text) {
+  std::string valid;
+  for (size_t i = 0; i < text.size();) {
+    const auto byte = static_cast<unsigned char>(text[i]);
+    const size_t length = byte < 0x80                   ? 1
+                          : byte >= 0xc2 && byte < 0xe0 ? 2
+                          : byte >= 0xe0 && byte < 0xf0 ? 3
+                          : byte >= 0xf0 && byte < 0xf5 ? 4
+                                                        : 0;
+    bool fits = length > 0 && i + length <= text.size();
+    for (size_t k = 1; fits && k < length; ++k) fits = (static_cast<unsigned char>(text[i + k]) & 0xc0) == 0x80;
+    valid += fits ? text.substr(i, length) : "?";
+    i += fits ? length : 1;
+  }
+  return valid;
+}
+
+Plan planFor(const ReportOptions& options) {
+  Plan plan;
+  for (const std::string& name : options.scenes) {
+    if (name.empty()) throw InputError("the name of a scene is empty");
+    plan.scenes.push_back(loadScene(findScene(name)));
+  }
+  const int maxSamples = options.maxSamples.value_or(options.full ? kFullSamples : kQuickSamples);
+  plan.repeats = options.repeats.value_or(options.full ? kFullRepeats : kQuickRepeats);
+  plan.devices = devicesFor(options);
+  plan.shaders = shaderFolder(options.shaders);
+  for (size_t i = 0; i < plan.scenes.size(); ++i) {
+    const Scene& scene = plan.scenes[i];
+    const RenderSettings whole = wholeOf(scene, options);
+    const std::string stem = wordOf(fs::path(options.scenes[i]).stem().string());
+    plan.sweeps.push_back({scene, validUtf8(options.scenes[i]), stem, fmt::format("{}-{}-", i + 1, stem), whole,
+                           planSweep(scene, whole, maxSamples), plan.repeats});
+  }
+  for (const auto& renderer : openRenderers(plan.scenes[0], plan.devices, plan.shaders))
+    plan.renderers.push_back(renderer->info);
+  throwIfInterrupted();
+  return plan;
+}
+
+// Names all that the measurements depend on.
+std::string fingerprint(const Plan& plan) {
+  std::string text;
+  for (size_t i = 0; i < plan.sweeps.size(); ++i) {
+    const SceneToSweep& sweep = plan.sweeps[i];
+    const RenderSettings& whole = sweep.whole;
+    text += fmt::format("{} {} {} {} {} {} {} {} {}\n", sweep.tag, whole.width, whole.height, whole.crop.x0,
+                        whole.crop.y0, whole.crop.x1, whole.crop.y1, whole.depth, sweep.repeats);
+    for (const Setting& setting : sweep.settings) text += settingName(setting, whole) + ' ';
+    for (const SourceFile& source : sweep.scene.sources) text += source.sha256 + ' ';
+  }
+  for (const RendererInfo& renderer : plan.renderers) text += renderer.name + ' ' + renderer.content + ' ';
+  return sha256Hex(text);
 }
 
 Machine thisMachine(const ReportOptions& options, int repeats) {
@@ -114,7 +190,8 @@ Machine thisMachine(const ReportOptions& options, int repeats) {
   machine.shaders = options.shaders;
   machine.repeats = repeats;
   machine.command = "turner report";
-  for (const std::string& scene : options.scenes) machine.command += ' ' + shellWord(scene);
+  for (const std::string& scene : options.scenes)
+    machine.command += ' ' + shellWord((scene.starts_with('-') ? "./" : "") + scene);
   machine.command += " -o " + shellWord(options.output) + (options.full ? " --full" : " --quick");
   const auto add = [&](const char* name, const auto& value) {
     if (value) machine.command += fmt::format(" {} {}", name, *value);
@@ -128,58 +205,9 @@ Machine thisMachine(const ReportOptions& options, int repeats) {
   if (!options.device.empty()) machine.command += " --device " + shellWord(options.device);
   if (!options.shaders.empty()) machine.command += " --shaders " + shellWord(options.shaders);
   if (options.keepExr) machine.command += " --exr";
+  machine.command = validUtf8(machine.command);
+  machine.shaders = validUtf8(machine.shaders);
   return machine;
-}
-
-// The scenes, loaded, what is to be done with each, and by whom.
-struct Plan {
-  std::vector<Scene> scenes;
-  std::vector<SceneToSweep> sweeps;
-  std::vector<DeviceInfo> devices;
-  std::vector<RendererInfo> renderers;
-  std::string shaders;
-  int repeats = kQuickRepeats;
-};
-
-Plan planFor(const ReportOptions& options) {
-  Plan plan;
-  for (const std::string& name : options.scenes) {
-    if (name.empty()) throw InputError("the name of a scene is empty");
-    plan.scenes.push_back(loadScene(findScene(name)));
-  }
-  const int maxSamples = options.maxSamples.value_or(options.full ? kFullSamples : kQuickSamples);
-  plan.repeats = options.repeats.value_or(options.full ? kFullRepeats : kQuickRepeats);
-  plan.devices = devicesFor(options);
-  plan.shaders = shaderFolder(options.shaders);
-  for (size_t i = 0; i < plan.scenes.size(); ++i) {
-    const Scene& scene = plan.scenes[i];
-    const RenderSettings whole = wholeOf(scene, options);
-    plan.sweeps.push_back({scene, options.scenes[i],
-                           fmt::format("{}-{}-", i + 1, fs::path(options.scenes[i]).stem().string()), whole,
-                           planSweep(scene, whole, maxSamples), plan.repeats});
-    // A tag is a word of the journal and of files' names.
-    for (char& c : plan.sweeps.back().tag)
-      if (!std::isalnum(static_cast<unsigned char>(c)) && c != '-' && c != '_' && c != '.') c = '_';
-  }
-  for (const auto& renderer : openRenderers(plan.scenes[0], plan.devices, plan.shaders))
-    plan.renderers.push_back(renderer->info);
-  throwIfInterrupted();
-  return plan;
-}
-
-// Names all that the measurements depend on.
-std::string fingerprint(const Plan& plan) {
-  std::string text = programHash() + '\n';
-  for (size_t i = 0; i < plan.sweeps.size(); ++i) {
-    const SceneToSweep& sweep = plan.sweeps[i];
-    const RenderSettings& whole = sweep.whole;
-    text += fmt::format("{} {} {} {} {} {} {} {} {}\n", sweep.tag, whole.width, whole.height, whole.crop.x0,
-                        whole.crop.y0, whole.crop.x1, whole.crop.y1, whole.depth, sweep.repeats);
-    for (const Setting& setting : sweep.settings) text += settingName(setting, whole) + ' ';
-    for (const SourceFile& source : sweep.scene.sources) text += source.sha256 + ' ';
-  }
-  for (const RendererInfo& renderer : plan.renderers) text += renderer.name + ' ' + renderer.content + ' ';
-  return sha256Hex(text);
 }
 
 void tellPlan(const Plan& plan, const Journal& journal, const std::string& output) {
@@ -196,47 +224,103 @@ void tellPlan(const Plan& plan, const Journal& journal, const std::string& outpu
   std::fflush(stdout);
 }
 
-std::vector<SweptScene> measureAll(const Plan& plan, Journal& journal, bool quiet) {
-  double all = 0, done = 0;
-  for (size_t i = 0; i < plan.sweeps.size(); ++i) all += samplesToCome(plan.sweeps[i], plan.renderers, journal);
-  all = std::max(all, 1.0);
-  ProgressLine progress("measuring", all, quiet);
-  const Tell tell = [&](const std::string& what, double samples) {
-    done += samples;
-    progress.rename(what);
-    progress(std::min(done / all, 1.0));
+// Shows how far the sweep is. The time left follows from the speed of each renderer so far.
+class SweepProgress : public Watcher {
+ public:
+  explicit SweepProgress(bool quiet) : line_(quiet) {}
+
+  void expect(const std::string& renderer, double samples) override { loads_[renderer].left += samples; }
+
+  void done(const std::string& renderer, double samples, const std::string& what) override {
+    throwIfInterrupted();
+    const double now = line_.secondsSinceStart();
+    Load& load = loads_[renderer];
+    load.left -= samples;
+    load.samples += samples;
+    load.seconds += now - last_;
+    last_ = now;
+    if (!line_.isDue()) return;
+    const double left = secondsLeft();
+    line_.show(fmt::format("{:3.0f} %, {} left: {}", 100 * now / (now + left), inWords(left), what));
+    if (!warned_ && now > kEarly && left > kLong) {
+      warned_ = true;
+      line_.note(
+          fmt::format("note: this takes about {} more; fewer samples (--max-samples) or pixels (--width) take less",
+                      inWords(left)));
+    }
+  }
+
+ private:
+  struct Load {
+    double left = 0;                  // samples
+    double samples = 0, seconds = 0;  // done
   };
+  // When an estimate can be told, and when it should be: seconds.
+  static constexpr double kEarly = 10, kLong = 600;
+
+  static std::string inWords(double seconds) {
+    return seconds < 120    ? fmt::format("{:.0f} s", seconds)
+           : seconds < 7200 ? fmt::format("{:.0f} min", seconds / 60)
+                            : fmt::format("{:.1f} h", seconds / 3600);
+  }
+
+  double secondsLeft() const {
+    Load all;
+    for (const auto& [name, load] : loads_) {
+      all.samples += load.samples;
+      all.seconds += load.seconds;
+    }
+    double left = 0;
+    for (const auto& [name, load] : loads_) {
+      const Load& speed = load.samples > 0 ? load : all;
+      if (speed.samples > 0) left += std::max(load.left, 0.0) * speed.seconds / speed.samples;
+    }
+    return left;
+  }
+
+  StatusLine line_;
+  std::map<std::string, Load> loads_;
+  double last_ = 0;
+  bool warned_ = false;
+};
+
+std::vector<SweptScene> measureAll(const Plan& plan, Journal& journal, bool quiet) {
+  SweepProgress progress(quiet);
+  for (const SceneToSweep& sweep : plan.sweeps) expectSweep(sweep, plan.renderers, journal, progress);
   std::vector<SweptScene> scenes;
   for (size_t i = 0; i < plan.sweeps.size(); ++i)
-    scenes.push_back(measure(plan.sweeps[i], openRenderers(plan.scenes[i], plan.devices, plan.shaders), journal, tell));
+    scenes.push_back(
+        measure(plan.sweeps[i], openRenderers(plan.scenes[i], plan.devices, plan.shaders), journal, progress));
   return scenes;
 }
 
-// Moves the pictures out of the journal's folder, one name after the other.
-void keepPictures(const Plan& plan, const std::vector<SweptScene>& scenes, const Journal& journal,
-                  const std::string& output) {
-  const fs::path folder = fs::path(output) / "pictures";
-  fs::create_directories(folder);
+void writePictures(const Plan& plan, const std::vector<SweptScene>& scenes, const Journal& journal,
+                   const fs::path& folder) {
   for (size_t i = 0; i < scenes.size(); ++i) {
-    for (const Point& point : scenes[i].points) {
-      const std::string name = plan.sweeps[i].tag + point.name;
-      fs::copy_file(journal.picturePath(name), folder / (name + ".exr"), fs::copy_options::overwrite_existing);
-    }
-    writeWholeFile((folder / (plan.sweeps[i].tag + "converged.exr")).string(), encodeExr(scenes[i].converged.mean, {}));
+    const std::string& tag = plan.sweeps[i].tag;
+    for (const Point& point : scenes[i].points)
+      writeWholeFile((folder / (tag + point.name + ".exr")).string(),
+                     readTextFile(journal.picturePath(tag + point.name)));
+    writeWholeFile((folder / (tag + "converged.exr")).string(), encodeExr(scenes[i].converged.mean, {}));
   }
+}
+
+void makeFolder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw InputError("cannot make the folder " + folder.string() + ": " + error.message());
 }
 
 }  // namespace
 
 int runReport(const ReportOptions& options) {
   const Plan plan = planFor(options);
-  std::error_code error;
-  fs::create_directories(options.output, error);
-  if (error) throw InputError("cannot make the folder " + options.output + ": " + error.message());
-  const fs::path output = options.output;
+  const fs::path output = options.output, pictures = output / "pictures";
+  makeFolder(options.keepExr ? pictures : output);
   const std::string page = (output / "report.html").string(), json = (output / "report.json").string(),
                     csv = (output / "report.csv").string();
   for (const std::string& file : {page, json, csv}) checkWritable(file);
+  if (options.keepExr) checkWritable((pictures / "picture.exr").string());
 
   const fs::path unfinished = output / "unfinished", folder = unfinished / fingerprint(plan).substr(0, 16);
   std::vector<SweptScene> scenes;
@@ -257,12 +341,12 @@ int runReport(const ReportOptions& options) {
     };
     writeWholeFile(json, reportJson(machine, scenes));
     writeWholeFile(csv, reportCsv(machine, scenes));
-    if (options.keepExr) keepPictures(plan, scenes, journal, options.output);
+    if (options.keepExr) writePictures(plan, scenes, journal, pictures);
     writeWholeFile(page, reportPage(machine, scenes, pictureOf));
+    journal.discard();
   }
-  // All is written: what was kept for going on has served.
-  fs::remove_all(folder, error);
-  if (fs::is_empty(unfinished, error)) fs::remove(unfinished, error);
+  std::error_code inUse;  // by an interrupted report with other options
+  fs::remove(unfinished, inUse);
 
   if (!options.quiet) {
     for (const SweptScene& scene : scenes) {

@@ -713,6 +713,7 @@ ReferencePicture renderReference(const Scene& scene, const RenderSettings& setti
                                  ReferenceSearch search) {
   if (progress) progress(0);
   const World world(scene, search);
+  const auto start = std::chrono::steady_clock::now();
   ReferencePicture picture;
   picture.image = Image(settings.width, settings.height, settings.crop);
 
@@ -746,6 +747,7 @@ ReferencePicture renderReference(const Scene& scene, const RenderSettings& setti
   if (work.failure) std::rethrow_exception(work.failure);
   if (progress) progress(1);
   picture.rays = work.rays;
+  picture.traceSeconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return picture;
 }
 

@@ -15,6 +15,7 @@ namespace turner {
 struct ReferencePicture {
   Image image;
   RayCounts rays;
+  double traceSeconds = 0;  // by the wall's clock, without building the tree
 };
 
 // How the reference finds its hits. Brute force tests every primitive; it is the tests' witness for the tree.

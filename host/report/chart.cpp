@@ -8,12 +8,18 @@
 namespace turner {
 namespace {
 
-constexpr double kWidth = 860, kHeight = 430;
+constexpr double kWidth = 860, kLeastHeight = 430;
 constexpr double kLeft = 74, kRight = 250, kTop = 14, kBottom = 52;  // margins; the legend is in the right one
 
 // Okabe and Ito, "Color Universal Design" (2008): told apart with every kind of colour vision.
 constexpr const char* kPalette[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00"};
 constexpr const char* kDashes[] = {"", "7 4", "2 3", "10 3 2 3", "1 5"};
+constexpr double kLegendRow = 20;
+
+// The height that the legend needs, if it is more than the usual one.
+double heightOf(const Chart& chart) {
+  return std::max(kLeastHeight, kTop + kLegendRow * double(chart.series.size() + 2));
+}
 
 // One axis: values to places.
 class Axis {
@@ -27,16 +33,19 @@ class Axis {
   }
   double place(double value) const { return from_ + (std::log10(value) - low_) / (high_ - low_) * (to_ - from_); }
 
-  // Decades, and their 2 and 5 where decades are few.
+  // Decades; where these are few their 2 and 5, and where those are, all their digits; the ends, if nothing else is
+  // there.
   std::vector<double> ticks() const {
-    std::vector<double> found;
-    const bool fine = high_ - low_ < 2.5;
-    for (int decade = int(std::floor(low_)); decade <= int(std::ceil(high_)); ++decade)
-      for (const double step : {1.0, 2.0, 5.0}) {
-        const double value = step * std::pow(10.0, decade), at = std::log10(value);
-        if (at >= low_ && at <= high_ && (step == 1.0 || fine)) found.push_back(value);
-      }
-    return found;
+    for (const auto& digits : {std::vector{1.0}, {1.0, 2.0, 5.0}, {1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0}}) {
+      std::vector<double> found;
+      for (int decade = int(std::floor(low_)); decade <= int(std::ceil(high_)); ++decade)
+        for (const double digit : digits) {
+          const double value = digit * std::pow(10.0, decade), at = std::log10(value);
+          if (at >= low_ && at <= high_) found.push_back(value);
+        }
+      if (found.size() >= 3 || (found.size() == 2 && digits.size() == 9)) return found;
+    }
+    return {std::pow(10.0, low_), std::pow(10.0, high_)};
   }
 
  private:
@@ -65,19 +74,26 @@ bool isDrawn(const Mark& mark) {
 }
 
 std::string numberText(double value) {
-  return fmt::format("{:g}", value);
+  return fmt::format("{:.3g}", value);
+}
+
+std::string styleOf(const Series& series) {
+  const char* color = kPalette[series.color];
+  return series.dashes % 2 == 0 ? fmt::format("fill='{}' stroke='#fff' stroke-width='.8'", color)
+                                : fmt::format("fill='#fff' stroke='{}' stroke-width='1.6'", color);
 }
 
 // The parts of the picture, one after the other.
 class Drawing {
  public:
-  Drawing(const Chart& chart, const Axis& x, const Axis& y) : chart_(chart), x_(x), y_(y) {}
+  Drawing(const Chart& chart, const Axis& x, const Axis& y, double height)
+      : chart_(chart), x_(x), y_(y), height_(height) {}
 
   std::string draw() {
     add("<svg xmlns='http://www.w3.org/2000/svg' class='chart' viewBox='0 0 {} {}' role='img' font-family='sans-serif' "
         "font-size='12'><title>{}</title>",
-        kWidth, kHeight, escaped(chart_.title));
-    add("<rect width='{}' height='{}' fill='#fff'/>", kWidth, kHeight);
+        kWidth, height_, escaped(chart_.title));
+    add("<rect width='{}' height='{}' fill='#fff'/>", kWidth, height_);
     axes();
     stairs();
     for (const Series& series : chart_.series) line(series);
@@ -95,7 +111,7 @@ class Drawing {
   }
 
   void axes() {
-    const double right = kWidth - kRight, bottom = kHeight - kBottom;
+    const double right = kWidth - kRight, bottom = height_ - kBottom;
     for (const double tick : x_.ticks()) {
       add("<path d='M{:.2f} {}V{}' stroke='#e4e4e4'/>", x_.place(tick), kTop, bottom);
       add("<text x='{:.2f}' y='{}' text-anchor='middle' fill='#333'>{}</text>", x_.place(tick), bottom + 17,
@@ -112,7 +128,7 @@ class Drawing {
       add("<path d='M{} {:.2f}H{}' stroke='#777' stroke-dasharray='1 4'/>", kLeft, at, right);
     }
     add("<path d='M{} {}V{}H{}' fill='none' stroke='#333'/>", kLeft, kTop, bottom, right);
-    add("<text x='{}' y='{}' text-anchor='middle' fill='#111'>{}</text>", (kLeft + right) / 2, kHeight - 12,
+    add("<text x='{}' y='{}' text-anchor='middle' fill='#111'>{}</text>", (kLeft + right) / 2, height_ - 12,
         escaped(chart_.xName));
     add("<text transform='translate(16 {}) rotate(-90)' text-anchor='middle' fill='#111'>{}</text>",
         (kTop + bottom) / 2, escaped(chart_.yName));
@@ -151,8 +167,7 @@ class Drawing {
           escaped(mark.label), escaped(mark.label));
       if (mark.ringed)
         add("<circle cx='{:.2f}' cy='{:.2f}' r='8' fill='none' stroke='#111' stroke-width='1.2'/>", x, y);
-      add("{}</g>", shapeAt(series.shape, x, y,
-                            fmt::format("fill='{}' stroke='#fff' stroke-width='.8'", kPalette[series.color])));
+      add("{}</g>", shapeAt(series.shape, x, y, styleOf(series)));
       if (!mark.note.empty() && isFree(x, y))
         add("<text x='{:.2f}' y='{:.2f}' fill='#111' font-size='11' paint-order='stroke' stroke='#fff' "
             "stroke-width='3'>{}</text>",
@@ -175,10 +190,9 @@ class Drawing {
       if (series.joined)
         add("<path d='M{} {}h30' stroke='{}' stroke-width='1.6' stroke-dasharray='{}'/>", x, y, kPalette[series.color],
             kDashes[series.dashes]);
-      add("{}", shapeAt(series.shape, x + 15, y,
-                        fmt::format("fill='{}' stroke='#fff' stroke-width='.8'", kPalette[series.color])));
+      add("{}", shapeAt(series.shape, x + 15, y, styleOf(series)));
       add("<text x='{}' y='{}' fill='#111'>{}</text>", x + 38, y + 4, escaped(series.name));
-      y += 20;
+      y += kLegendRow;
     }
     if (chart_.stairs.empty()) return;
     add("<path d='M{} {}h30' stroke='#bbb' stroke-width='5'/>", x, y);
@@ -188,6 +202,7 @@ class Drawing {
 
   const Chart& chart_;
   const Axis &x_, &y_;
+  double height_;
   std::vector<std::pair<double, double>> noted_;
   std::string text_;
 };
@@ -231,8 +246,9 @@ std::string svgOf(const Chart& chart) {
       mostY = std::max(mostY, mark.y);
     }
   if (!(mostX > 0)) return "<p>There is no error to draw: every picture equals the converged one.</p>\n";
-  const Axis x(leastX, mostX, kLeft, kWidth - kRight), y(leastY, mostY, kHeight - kBottom, kTop);
-  return Drawing(chart, x, y).draw();
+  const double height = heightOf(chart);
+  const Axis x(leastX, mostX, kLeft, kWidth - kRight), y(leastY, mostY, height - kBottom, kTop);
+  return Drawing(chart, x, y, height).draw();
 }
 
 }  // namespace turner

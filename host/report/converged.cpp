@@ -23,6 +23,8 @@ constexpr double kConverged = 0.25;
 // rms error over n, for n x n samples: the power 3/4 of the number.
 constexpr double kPower = 1.5;
 
+constexpr int kFirst = 2, kMost = 6;
+
 constexpr size_t kMostCached = 64;
 constexpr const char* kSuffix = "-converged.exr";
 
@@ -33,19 +35,41 @@ Image meanOf(const Image& a, const Image& b) {
 }
 
 bool isOurs(const std::string& name) {
-  return name.ends_with(kSuffix);
+  return name.find(kSuffix) != std::string::npos;  // temporary ones of killed processes too
+}
+
+// The next number whose prime factors are 2 and 3, with which sobol is at its best, up to the most that there are.
+int smooth(int n) {
+  for (; n < kMaxSamples; ++n) {
+    int rest = n;
+    while (rest % 2 == 0) rest /= 2;
+    while (rest % 3 == 0) rest /= 3;
+    if (rest == 1) return n;
+  }
+  return kMaxSamples;
+}
+
+double samplesOfBoth(int n) {
+  return 2.0 * n * n;
 }
 
 }  // namespace
 
 double withoutOwnError(double rmse, double ownError) {
+  if (std::isnan(rmse)) return rmse;
   return std::sqrt(std::max(0.0, rmse * rmse - ownError * ownError));
 }
 
-Converged converge(const RenderPicture& render, const RenderSettings& whole, int samples,
-                   const std::function<double(const Image&, double)>& leastErrorAgainst) {
+double firstConvergedSamples(int n) {
+  return samplesOfBoth(smooth(kFirst * n));
+}
+
+Converged converge(const RenderPicture& render, const RenderSettings& whole, int n,
+                   const std::function<double(const Image&, double)>& leastErrorAgainst, const Attempt& attempt) {
   Converged result;
-  for (result.samples = std::min(samples, kMaxSamples);;) {
+  const int most = smooth(kMost * n);
+  for (result.samples = smooth(kFirst * n);;) {
+    if (attempt) attempt(samplesOfBoth(result.samples));
     RenderSettings settings = whole;
     settings.minWeight = 0;
     settings.samples = result.samples;
@@ -63,10 +87,10 @@ Converged converge(const RenderPicture& render, const RenderSettings& whole, int
     result.leastError = leastErrorAgainst(result.mean, result.ownError);
     const double wanted = kConverged * result.leastError;
     result.enough = result.ownError <= wanted;
-    if (result.enough || result.samples == kMaxSamples) return result;
+    if (result.enough || result.samples >= most) return result;
     // As many more as the error asks for, and a little more than that.
     const double factor = wanted > 0 ? std::pow(result.ownError / wanted, 1 / kPower) * 1.05 : 2.0;
-    result.samples = int(std::min(std::ceil(result.samples * std::clamp(factor, 1.2, 4.0)), double(kMaxSamples)));
+    result.samples = std::min(smooth(int(std::ceil(result.samples * std::clamp(factor, 1.2, double(kMost))))), most);
   }
 }
 

@@ -26,11 +26,18 @@ using RenderPicture = std::function<Image(const RenderSettings&)>;
 // The seeds of the halves, jitter's and sobol's. Nobody else's.
 inline constexpr uint32_t kConvergedSeeds[] = {UINT32_MAX, UINT32_MAX - 1};
 
-// Renders halves with more and more samples, from `samples` on, until ownError is at most a quarter of the least error
-// that is found against their mean, or 256 x 256 samples are reached. `leastErrorAgainst` gets the mean and its own
-// error, and returns the least rmse of the pictures that are to be measured, without the mean's own error.
-Converged converge(const RenderPicture& render, const RenderSettings& whole, int samples,
-                   const std::function<double(const Image&, double)>& leastErrorAgainst);
+// Told of the samples in each pixel that an attempt renders, both halves together, before it begins.
+using Attempt = std::function<void(double samples)>;
+
+// Renders halves with more and more samples, from 2n x 2n on, until ownError is at most a quarter of the least error
+// that is found against their mean, or 6n x 6n samples are reached, where n is what the pictures have that are to be
+// measured: more would take longer than all of these. `leastErrorAgainst` gets the mean and its own error, and returns
+// the least rmse of those pictures, without the mean's own error.
+Converged converge(const RenderPicture& render, const RenderSettings& whole, int n,
+                   const std::function<double(const Image&, double)>& leastErrorAgainst, const Attempt& attempt = {});
+
+// Of the first attempt.
+double firstConvergedSamples(int n);
 
 // `rmse` against a picture with an error of its own: without that.
 double withoutOwnError(double rmse, double ownError);

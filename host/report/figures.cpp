@@ -13,6 +13,9 @@ namespace {
 constexpr double kLeastSlope = -0.1;
 // Errors that differ by less than this share are called alike: times are measured, and errors are of some draws.
 constexpr double kAlike = 0.1;
+// So many times the samples that were measured a slope may be believed, if it is through more than two points.
+constexpr double kFarthest = 16;
+constexpr size_t kLeastPoints = 4;
 // Where an error is reached after more samples than a renderer takes, nobody wants to know when.
 constexpr double kMostSamples = double(kMaxSamples) * kMaxSamples;
 
@@ -37,22 +40,11 @@ std::optional<Reach> reach(const SweptScene& scene, const Curve& curve, double t
     if (b.rmse <= 0) return Reach{samplesOf(b), b.medianSeconds(), false};
     return Reach{along(samplesOf(a), samplesOf(b)), along(a.medianSeconds(), b.medianSeconds()), false};
   }
-  if (!curve.slope || *curve.slope > kLeastSlope) return std::nullopt;
+  if (!curve.slope || *curve.slope > kLeastSlope || curve.points.size() < kLeastPoints) return std::nullopt;
   const Point& last = at(curve.points.size() - 1);
   const double factor = std::pow(target / last.rmse, 1 / *curve.slope);
-  if (samplesOf(last) * factor > kMostSamples) return std::nullopt;
+  if (factor > kFarthest || samplesOf(last) * factor > kMostSamples) return std::nullopt;
   return Reach{samplesOf(last) * factor, last.medianSeconds() * factor, true};
-}
-
-// log rmse of a curve at a time within its measured range.
-std::optional<double> logErrorAt(const SweptScene& scene, const Curve& curve, double logSeconds) {
-  for (size_t i = 1; i < curve.points.size(); ++i) {
-    const Point &a = scene.points[curve.points[i - 1]], &b = scene.points[curve.points[i]];
-    const double x0 = std::log(a.medianSeconds()), x1 = std::log(b.medianSeconds());
-    if (!(a.rmse > 0 && b.rmse > 0) || !(x0 < x1) || logSeconds < x0 || logSeconds > x1) continue;
-    return std::log(a.rmse) + (logSeconds - x0) / (x1 - x0) * (std::log(b.rmse) - std::log(a.rmse));
-  }
-  return std::nullopt;
 }
 
 std::string curveInWords(const SweptScene& scene, const Curve& curve) {
@@ -87,37 +79,56 @@ void addTargets(const SweptScene& scene, const std::vector<Curve>& curves, std::
       if (curve.targets[t] && (!best || curve.targets[t]->seconds < best->targets[t]->seconds)) best = &curve;
     if (!best) continue;
     const Reach& found = *best->targets[t];
-    sentences.push_back(
-        fmt::format("An RMSE of {:g} is reached first by {}: in {}, with about {:.3g} samples in each pixel{}.",
-                    kTargets[t], curveInWords(scene, *best), timeInWords(found.seconds), found.samples,
-                    found.extrapolated ? " (extrapolated along its slope)" : ""));
+    sentences.push_back(fmt::format(
+        "An RMSE of {:g} is reached first by {}: in {}, with {} {:.3g} samples in each pixel{}.", kTargets[t],
+        curveInWords(scene, *best), timeInWords(found.seconds), found.samples > 1 ? "about" : "at most", found.samples,
+        found.extrapolated ? " (extrapolated along its slope)" : ""));
   }
 }
 
-// Which of two curves is less wrong, and from when on.
-std::string pairInWords(const SweptScene& scene, const Curve& first, const Curve& second) {
-  const std::vector<Lead> leads = leadsOf(scene, first, second);
+// Which of two curves leads in a figure, and from which point on; `better` is what the leader is, `same` what both do.
+std::string pairInWords(const SweptScene& scene, const Curve& first, const Curve& second, Figure figure,
+                        const std::string& better, const std::string& same) {
   const std::string a = curveInWords(scene, first), b = curveInWords(scene, second);
-  if (leads.empty()) return fmt::format("{} and {} are alike in error at a given time, within a tenth.", a, b);
   std::string text;
-  for (const Lead& lead : leads) {
-    const std::string &better = lead.ofFirst ? a : b, &worse = lead.ofFirst ? b : a;
-    if (text.empty())
-      text = fmt::format("{} is less wrong than {}", better, worse);
-    else
-      text += fmt::format("; from {} (RMSE {:.2g}) on, {} is", timeInWords(lead.seconds), lead.rmse, better);
+  for (const Lead& lead : leadsOf(scene, first, second, figure)) {
+    if (text.empty()) {
+      text = fmt::format("{} is {} {}", lead.ofFirst ? a : b, better, lead.ofFirst ? b : a);
+      continue;
+    }
+    const Point& from = scene.points[lead.point];
+    text += fmt::format("; from {}x{} on ({}, RMSE {:.2g}) {} is", from.setting.samples, from.setting.samples,
+                        timeInWords(from.medianSeconds()), from.rmse, lead.ofFirst ? a : b);
   }
-  return text + (leads.size() == 1 ? " in the same time, wherever they differ by more than a tenth." : ".");
+  return (text.empty() ? fmt::format("{} and {} {}, within a tenth", a, b, same) : text) + ".";
+}
+
+// By how much faster, over the same settings.
+std::string ratiosInWords(const SweptScene& scene, const Curve& first, const Curve& second) {
+  double least = HUGE_VAL, most = 0;
+  for (const size_t i : first.points)
+    for (const size_t j : second.points) {
+      const Point &a = scene.points[i], &b = scene.points[j];
+      if (a.setting.samples != b.setting.samples) continue;
+      least = std::min(least, a.medianSeconds() / b.medianSeconds());
+      most = std::max(most, a.medianSeconds() / b.medianSeconds());
+    }
+  return fmt::format(" {} takes {:.2g} to {:.2g} of its time.", curveInWords(scene, first), least, most);
 }
 
 void addPairs(const SweptScene& scene, const std::vector<Curve>& curves, std::vector<std::string>& sentences) {
   for (const Curve& sobol : curves) {
     if (sobol.sampler != Sampler::sobol) continue;
-    // Against the other samplers on this device, and against sobol on the devices after this.
+    // Against the other samplers on this device, at the same samples, which take the same time; and against the devices
+    // after this, which make the same picture.
     for (const Curve& other : curves) {
-      const bool isSampler = other.renderer == sobol.renderer && other.sampler != Sampler::sobol;
-      const bool isDevice = other.renderer > sobol.renderer && other.sampler == Sampler::sobol;
-      if (isSampler || isDevice) sentences.push_back(pairInWords(scene, sobol, other));
+      if (other.renderer == sobol.renderer && other.sampler != Sampler::sobol)
+        sentences.push_back(pairInWords(scene, sobol, other, Figure::rmse, "less wrong at the same samples than",
+                                        "are as wrong at the same samples"));
+      if (other.renderer > sobol.renderer && other.sampler == Sampler::sobol)
+        sentences.push_back(pairInWords(scene, sobol, other, Figure::seconds, "faster with the same picture than",
+                                        "take the same time for the same picture") +
+                            ratiosInWords(scene, sobol, other));
     }
   }
 }
@@ -187,6 +198,7 @@ std::vector<Curve> curvesOf(const SweptScene& scene) {
       for (size_t i = 0; i < scene.points.size(); ++i) {
         const Point& point = scene.points[i];
         if (point.renderer != renderer || point.setting.sampler != sampler) continue;
+        if (!std::isfinite(point.rmse)) continue;
         if (point.setting != uncut(point.setting, scene.whole)) continue;
         curve.points.push_back(i);
         if (point.setting.samples < 2) continue;
@@ -204,7 +216,7 @@ std::vector<Curve> curvesOf(const SweptScene& scene) {
 std::vector<size_t> paretoFront(const SweptScene& scene) {
   std::vector<size_t> order;
   for (size_t i = 0; i < scene.points.size(); ++i)
-    if (scene.points[i].total.nan + scene.points[i].total.inf == 0) order.push_back(i);
+    if (std::isfinite(scene.points[i].rmse)) order.push_back(i);
   const auto key = [&](size_t i) { return std::pair(scene.points[i].medianSeconds(), scene.points[i].rmse); };
   std::sort(order.begin(), order.end(), [&](size_t a, size_t b) { return key(a) < key(b); });
   std::vector<size_t> front;
@@ -213,33 +225,18 @@ std::vector<size_t> paretoFront(const SweptScene& scene) {
   return front;
 }
 
-std::vector<Lead> leadsOf(const SweptScene& scene, const Curve& first, const Curve& second) {
-  // Both are straight between the times at which either was measured: the difference changes its sign at most once
-  // between two of these.
-  std::vector<double> times;
-  for (const Curve* curve : {&first, &second})
-    for (const size_t i : curve->points) times.push_back(std::log(scene.points[i].medianSeconds()));
-  std::sort(times.begin(), times.end());
+std::vector<Lead> leadsOf(const SweptScene& scene, const Curve& first, const Curve& second, Figure figure) {
   std::vector<Lead> leads;
-  std::optional<std::pair<double, double>> before;  // time, first minus second in log rmse
-  Lead lead;                                        // the one that we are in
-  bool counts = false;
-  for (const double time : times) {
-    const std::optional<double> a = logErrorAt(scene, first, time), b = logErrorAt(scene, second, time);
-    if (!a || !b || *a == *b) continue;
-    const double difference = *a - *b;
-    if (!before || before->second * difference < 0) {
-      const double share = before ? before->second / (before->second - difference) : 1;
-      const double at = before ? before->first + share * (time - before->first) : time;
-      lead = {std::exp(at), std::exp(logErrorAt(scene, first, at).value_or(*a)), difference < 0};
-      counts = false;
+  for (const size_t i : first.points)
+    for (const size_t j : second.points) {
+      const Point &a = scene.points[i], &b = scene.points[j];
+      if (a.setting.samples != b.setting.samples) continue;
+      const double x = figure == Figure::rmse ? a.rmse : a.medianSeconds();
+      const double y = figure == Figure::rmse ? b.rmse : b.medianSeconds();
+      if (!(std::min(x, y) < (1 - kAlike) * std::max(x, y))) continue;
+      const bool ofFirst = x < y;
+      if (leads.empty() || leads.back().ofFirst != ofFirst) leads.push_back({ofFirst ? i : j, ofFirst});
     }
-    before = {time, difference};
-    // A lead that is never more than noise is none.
-    if (counts || std::abs(difference) < -std::log(1 - kAlike)) continue;
-    counts = true;
-    if (leads.empty() || leads.back().ofFirst != lead.ofFirst) leads.push_back(lead);
-  }
   return leads;
 }
 
@@ -254,6 +251,11 @@ std::string pointInWords(const SweptScene& scene, const Point& point) {
 std::vector<std::string> findings(const SweptScene& scene) {
   const std::vector<Curve> curves = curvesOf(scene);
   std::vector<std::string> sentences;
+  if (!scene.converged.enough)
+    sentences.push_back(fmt::format(
+        "CAUTION: the converged picture's own error, {:.2g}, is more than a quarter of the least error found ({:.2g}): "
+        "errors of its size cannot be told apart.",
+        scene.converged.ownError, scene.converged.leastError));
   if (const std::string front = frontInWords(scene); !front.empty()) sentences.push_back(front);
   addTargets(scene, curves, sentences);
   addPairs(scene, curves, sentences);
@@ -265,7 +267,9 @@ std::string renderCommand(const SweptScene& scene, const Point& point, const std
   const RenderSettings& whole = scene.whole;
   const Setting& setting = point.setting;
   const Window& crop = whole.crop;
-  std::string command = fmt::format("turner render {} -o {}.exr --width {} --height {}", shellWord(scene.path),
+  // A name that begins with a dash would be an option.
+  const std::string path = scene.path.starts_with('-') ? "./" + scene.path : scene.path;
+  std::string command = fmt::format("turner render {} -o {}-{}.exr --width {} --height {}", shellWord(path), scene.stem,
                                     point.name, whole.width, whole.height);
   if (!(crop == Window{0, 0, whole.width, whole.height}))
     command += fmt::format(" --crop {},{},{},{}", crop.x0, crop.y0, crop.x1, crop.y1);

@@ -23,7 +23,7 @@ struct Reach {
 struct Curve {
   size_t renderer = 0;
   Sampler sampler = Sampler::grid;
-  std::vector<size_t> points;                 // in SweptScene::points
+  std::vector<size_t> points;                 // in SweptScene::points, without those that have no rmse
   std::optional<double> slope;                // of log rmse over log samples, by least squares, from 2x2 samples on
   std::vector<std::optional<Reach>> targets;  // one for each of kTargets
 };
@@ -36,12 +36,14 @@ std::optional<double> logSlope(const std::vector<double>& x, const std::vector<d
 // The points than which none is both faster and less wrong, by time.
 std::vector<size_t> paretoFront(const SweptScene& scene);
 
-// Two curves over time: which is less wrong, by more than a tenth somewhere, from when on. They alternate.
+// Two curves at the same samples: which has the smaller figure, by more than a tenth, from which point on. They
+// alternate.
+enum class Figure { rmse, seconds };
 struct Lead {
-  double seconds = 0, rmse = 0;  // where the curves cross; of the first lead, where both begin
+  size_t point = 0;  // the leader's
   bool ofFirst = false;
 };
-std::vector<Lead> leadsOf(const SweptScene& scene, const Curve& first, const Curve& second);
+std::vector<Lead> leadsOf(const SweptScene& scene, const Curve& first, const Curve& second, Figure figure);
 
 // "llvmpipe, sobol 4x4, depth 3": a point in words.
 std::string pointInWords(const SweptScene& scene, const Point& point);

@@ -7,6 +7,8 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <sstream>
@@ -49,14 +51,18 @@ Journal::Journal(const std::string& folder) : folder_(folder), file_(openIn(fold
   for (std::string line; std::getline(lines, line);) read(line);
 }
 
+// What is no measurement, whoever wrote it, is none.
 void Journal::read(const std::string& line) {
   std::istringstream words(line);
-  std::string kind, name, value;
+  std::string kind, name, value, seconds, meanSquare;
   int repeat = 0;
-  Measurement measurement;
   words >> kind >> name;
   if (kind == "decided" && words >> value) decisions_[name] = value;
-  if (kind == "measured" && words >> repeat >> measurement.seconds >> measurement.meanSquare)
+  if (kind != "measured" || !(words >> repeat >> seconds >> meanSquare)) return;
+  // strtod takes "nan" too.
+  const Measurement measurement{std::strtod(seconds.c_str(), nullptr), std::strtod(meanSquare.c_str(), nullptr)};
+  const bool isTime = measurement.seconds > 0 && std::isfinite(measurement.seconds);
+  if (isTime && repeat >= 0 && (repeat == 0) == (measurement.meanSquare < 0))
     measurements_[{name, repeat}] = measurement;
 }
 
@@ -92,6 +98,22 @@ void Journal::keep(const std::string& point, const Image& image, const Provenanc
 
 Image Journal::picture(const std::string& point) const {
   return readExr(picturePath(point));
+}
+
+bool Journal::hasPicture(const std::string& point, int width, int height, const Window& window) const {
+  try {
+    const Image image = picture(point);
+    return image.width == width && image.height == height && image.window == window;
+  } catch (const InputError&) {
+    return false;  // to be rendered once more
+  }
+}
+
+void Journal::discard() {
+  std::error_code error;
+  fs::remove(folder_ + "/journal", error);
+  fs::remove_all(folder_, error);
+  if (error) throw RunError("cannot delete " + folder_ + ": " + error.message());
 }
 
 }  // namespace turner

@@ -13,7 +13,8 @@ namespace turner {
 
 struct Measurement {
   double seconds = 0;      // of tracing
-  double meanSquare = -1;  // of the picture minus the converged one; negative: not measured, the picture was kept
+  double meanSquare = -1;  // of the picture minus the converged one; NaN: some pixels are no numbers; negative: not
+                           // measured, the picture was kept
 };
 
 // A folder with a picture for each point (a setting on a renderer) and a text file that grows by a line for each
@@ -37,6 +38,11 @@ class Journal {
   // The picture of a point. keep() comes before add(): what was measured has its picture.
   void keep(const std::string& point, const Image& image, const Provenance& provenance) const;
   Image picture(const std::string& point) const;
+  // Whether it is there, undamaged, and of these windows.
+  bool hasPicture(const std::string& point, int width, int height, const Window& window) const;
+
+  // All has served: deletes the folder, the measurements before the pictures that belong to them.
+  void discard();
   std::string picturePath(const std::string& point) const { return folder_ + '/' + point + ".exr"; }
 
  private:

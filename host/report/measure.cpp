@@ -16,31 +16,40 @@ namespace {
 constexpr double kThreshold = 1e-3;
 // A converged picture may come from a renderer whose float32 is wrong by at most this share of the least error.
 constexpr double kFarSmaller = 0.1;
-// Of the first converged picture, for each of the best candidate's along a side of the grid.
-constexpr int kFinerGrid = 2;
-
 double samplesIn(const RenderSettings& settings) {
   return double(settings.crop.area()) * settings.samples * settings.samples;
 }
 
-double meanSquareError(const Image& a, const Image& b) {
-  const double rmse = compareImages(a, b, kThreshold).rmse;
-  return rmse * rmse;
+// NaN where pixels are no numbers: compareImages would leave them out.
+double rmseOf(const Comparison& comparison) {
+  return comparison.nan + comparison.inf > 0 ? std::nan("") : comparison.rmse;
+}
+double rmsError(const Image& a, const Image& b) {
+  return rmseOf(compareImages(a, b, kThreshold));
 }
 
 std::string pointName(const SceneToSweep& sweep, const std::string& renderer, const Setting& setting) {
   return sweep.tag + renderer + '-' + settingName(setting, sweep.whole);
 }
 
+int mostSamples(const SceneToSweep& sweep) {
+  return sweep.settings.back().samples;  // they are sorted
+}
+
+// Samples of the first converged picture that is tried.
+double firstConverged(const SceneToSweep& sweep) {
+  return firstConvergedSamples(mostSamples(sweep)) * double(sweep.whole.crop.area());
+}
+
 class Measuring {
  public:
   Measuring(const SceneToSweep& sweep, std::vector<std::unique_ptr<Renderer>> renderers, Journal& journal,
-            const Tell& tell)
+            Watcher& watcher)
       : sweep_(sweep),
         renderers_(std::move(renderers)),
         rounded_(referenceRenderer(sweep.scene, ReferenceOf::rounded)),
         journal_(journal),
-        tell_(tell) {}
+        watcher_(watcher) {}
 
   SweptScene run() {
     // Every setting once.
@@ -98,18 +107,22 @@ class Measuring {
   TimedPicture render(Renderer& renderer, const RenderSettings& settings, const std::string& what) {
     const double samples = samplesIn(settings);
     double told = 0;
-    TimedPicture picture = renderer.render(settings, [&](double share) {
-      tell_(what, share * samples - told);
+    const auto tell = [&](double share) {
+      watcher_.done(renderer.info.name, share * samples - told, what);
       told = share * samples;
-    });
-    tell_(what, samples - told);
+    };
+    TimedPicture picture = renderer.render(settings, tell);
+    tell(1);
     return picture;
   }
 
   void measureFirst(Renderer& renderer, const Setting& setting) {
     const std::string point = pointName(sweep_, renderer.info.name, setting);
-    if (journal_.find(point, 0)) return;
     const RenderSettings settings = settingsWith(sweep_.whole, setting, 0);
+    if (journal_.find(point, 0)) {
+      if (journal_.hasPicture(point, settings.width, settings.height, settings.crop)) return;
+      watcher_.expect(renderer.info.name, samplesIn(settings));
+    }
     const TimedPicture picture = render(renderer, settings, point);
     const RendererInfo& info = renderer.info;
     journal_.keep(point, picture.image, makeProvenance(sweep_.scene, settings, info.origin, info.device, info.driver));
@@ -120,7 +133,8 @@ class Measuring {
     const std::string point = pointName(sweep_, renderer.info.name, setting);
     if (journal_.find(point, repeat)) return;
     const TimedPicture picture = render(renderer, settingsWith(sweep_.whole, setting, uint32_t(repeat)), point);
-    journal_.add(point, repeat, {.seconds = picture.seconds, .meanSquare = meanSquareError(picture.image, converged)});
+    const double rmse = rmsError(picture.image, converged);
+    journal_.add(point, repeat, {.seconds = picture.seconds, .meanSquare = rmse * rmse});
   }
 
   // The fastest renderer that computes well enough: two samplers' pictures with the most samples estimate the least
@@ -129,7 +143,7 @@ class Measuring {
     const Setting best = finest(Sampler::sobol);
     const std::string& exact = renderers_[reference()]->info.name;
     const Setting other = finest(best.samples > 1 ? Sampler::jitter : Sampler::grid);
-    const double leastError = std::sqrt(meanSquareError(pictureOf(exact, best), pictureOf(exact, other)) / 2);
+    const double leastError = rmsError(pictureOf(exact, best), pictureOf(exact, other)) / std::sqrt(2.0);
     ConvergedBy chosen{reference(), 0};
     const auto settled = journal_.decision(sweep_.tag + "converged");
     for (size_t i = 0; i < reference(); ++i) {
@@ -137,8 +151,8 @@ class Measuring {
       double floatError = 0;
       for (const Sampler sampler : {Sampler::jitter, Sampler::sobol}) {
         const Setting setting = finest(sampler);
-        const double error = std::sqrt(meanSquareError(pictureOf(name, setting), pictureOf(exact, setting)));
-        floatError = std::max(floatError, error);
+        const double error = rmsError(pictureOf(name, setting), pictureOf(exact, setting));
+        if (!(error <= floatError)) floatError = error;  // a NaN stays
       }
       const bool isFaster = secondsOf(*renderers_[i], best) < secondsOf(*renderers_[chosen.renderer], best);
       const bool fits = settled ? *settled == name : isFaster && floatError <= kFarSmaller * leastError;
@@ -154,22 +168,33 @@ class Measuring {
   }
 
   Converged convergeOn(size_t renderer) {
-    std::string key = renderers_[renderer]->info.name + ' ' + renderers_[renderer]->info.content;
+    const RendererInfo& info = renderers_[renderer]->info;
+    std::string key = info.name + ' ' + info.content;
     for (const SourceFile& source : sweep_.scene.sources) key += ' ' + source.sha256;
+    double expected = 0, rendered = 0;
     const RenderPicture renderThere = [&](const RenderSettings& settings) {
+      rendered += samplesIn(settings);
       return render(*renderers_[renderer], settings, sweep_.tag + "converged").image;
     };
-    return converge(cached(renderThere, key), sweep_.whole, kFinerGrid * finest(Sampler::sobol).samples,
-                    [&](const Image& mean, double ownError) {
-                      double least = HUGE_VAL;
-                      for (const Setting& setting : sweep_.settings)
-                        for (const auto& candidate : renderers_) {
-                          const Image picture = pictureOf(candidate->info.name, setting);
-                          const double rmse = std::sqrt(meanSquareError(picture, mean));
-                          least = std::min(least, withoutOwnError(rmse, ownError));
-                        }
-                      return least;
-                    });
+    const auto leastErrorAgainst = [&](const Image& mean, double ownError) {
+      double least = HUGE_VAL;
+      for (const Setting& setting : sweep_.settings)
+        for (const auto& candidate : renderers_) {
+          const Image picture = pictureOf(candidate->info.name, setting);
+          least = std::min(least, withoutOwnError(rmsError(picture, mean), ownError));
+        }
+      return least;
+    };
+    if (!convergedIsExpected_) watcher_.expect(renderers_[reference()]->info.name, -firstConverged(sweep_));
+    convergedIsExpected_ = true;
+    const Converged converged =
+        converge(cached(renderThere, key), sweep_.whole, mostSamples(sweep_), leastErrorAgainst, [&](double samples) {
+          samples *= double(sweep_.whole.crop.area());
+          expected += samples;
+          watcher_.expect(info.name, samples);
+        });
+    watcher_.expect(info.name, rendered - expected);  // what the cache had
+    return converged;
   }
 
   Split splitOf(const Setting& setting, const Converged& converged) const {
@@ -204,7 +229,7 @@ class Measuring {
     for (int repeat = 0; repeat < sweep_.repeats; ++repeat) {
       const Measurement measurement = *journal_.find(name, repeat);
       point.seconds.push_back(measurement.seconds);
-      const double rmse = repeat == 0 ? point.total.rmse : std::sqrt(measurement.meanSquare);
+      const double rmse = repeat == 0 ? rmseOf(point.total) : std::sqrt(measurement.meanSquare);
       point.rmses.push_back(withoutOwnError(rmse, converged.ownError));
       squares += point.rmses.back() * point.rmses.back();
     }
@@ -217,7 +242,8 @@ class Measuring {
   std::vector<std::unique_ptr<Renderer>> renderers_;
   std::unique_ptr<Renderer> rounded_;
   Journal& journal_;
-  const Tell& tell_;
+  Watcher& watcher_;
+  bool convergedIsExpected_ = false;  // by its own renderer
 };
 
 }  // namespace
@@ -233,35 +259,29 @@ double Point::efficiency() const {
   return 1 / (rmse * rmse * medianSeconds());
 }
 
-double samplesToCome(const SceneToSweep& sweep, const std::vector<RendererInfo>& renderers, const Journal& journal) {
-  double samples = 0;
-  int most = 1;
-  const auto count = [&](const std::string& renderer, const Setting& setting, int repeats) {
+void expectSweep(const SceneToSweep& sweep, const std::vector<RendererInfo>& renderers, const Journal& journal,
+                 Watcher& watcher) {
+  const auto expect = [&](const std::string& renderer, const Setting& setting, int repeats) {
     for (int repeat = 0; repeat < repeats; ++repeat)
       if (!journal.find(pointName(sweep, renderer, setting), repeat))
-        samples += samplesIn(settingsWith(sweep.whole, setting, 0));
+        watcher.expect(renderer, samplesIn(settingsWith(sweep.whole, setting, 0)));
   };
   for (const Setting& setting : sweep.settings) {
-    for (const RendererInfo& renderer : renderers) count(renderer.name, setting, sweep.repeats);
-    count("rounded", setting, 1);
-    most = std::max(most, setting.samples);
+    for (const RendererInfo& renderer : renderers) expect(renderer.name, setting, sweep.repeats);
+    expect("rounded", setting, 1);
   }
-  // The converged picture: two halves, of a little more than what is tried first.
-  if (!journal.decision(sweep.tag + "converged")) {
-    RenderSettings settings = sweep.whole;
-    settings.samples = kFinerGrid * most;
-    samples += 2 * 1.3 * samplesIn(settings);
-  }
-  return samples;
+  // Who renders the converged picture is not known yet.
+  watcher.expect(renderers.back().name, firstConverged(sweep));
 }
 
 SweptScene measure(const SceneToSweep& sweep, std::vector<std::unique_ptr<Renderer>> renderers, Journal& journal,
-                   const Tell& tell) {
-  SweptScene result = Measuring(sweep, std::move(renderers), journal, tell).run();
+                   Watcher& watcher) {
+  SweptScene result = Measuring(sweep, std::move(renderers), journal, watcher).run();
   result.told.name = sweep.scene.name;
   result.told.sources = sweep.scene.sources;
   result.told.depth = sweep.scene.depth;
   result.path = sweep.path;
+  result.stem = sweep.stem;
   result.spheres = sweep.scene.spheres.size();
   result.triangles = sweep.scene.triangles.size();
   result.whole = sweep.whole;

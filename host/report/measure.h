@@ -22,7 +22,7 @@ struct Point {
 
   std::vector<double> seconds;  // of tracing, one for each repeat
   std::vector<double> rmses;    // against the converged picture and without its error; repeat r has seed r
-  double rmse = 0;              // their root mean square
+  double rmse = 0;              // their root mean square; NaN if a pixel of any is no number
   double relRmse = 0;           // relative, without the converged picture's error
   Comparison total;             // against the converged picture, whose error is in it
 
@@ -45,6 +45,7 @@ struct ConvergedBy {
 struct SweptScene {
   Scene told;        // without its geometry
   std::string path;  // as the render command takes it
+  std::string stem;  // of the file's name
   size_t spheres = 0, triangles = 0;
   RenderSettings whole;
   std::vector<RendererInfo> renderers;  // the devices, then the reference
@@ -57,20 +58,29 @@ struct SweptScene {
 struct SceneToSweep {
   const Scene& scene;
   std::string path;
-  std::string tag;  // of its files, unique in the journal
+  std::string stem;  // of its file's name, as a word that is good for other files' names
+  std::string tag;   // of its files, unique in the journal
   RenderSettings whole;
   std::vector<Setting> settings;
   int repeats = 1;
 };
 
-// Told what is being done, and how many samples more are done since the last call.
-using Tell = std::function<void(const std::string& what, double samples)>;
+// Follows a sweep while it runs.
+class Watcher {
+ public:
+  virtual ~Watcher() = default;
+  // There are so many samples more, or less, for a renderer to do than was known.
+  virtual void expect(const std::string& renderer, double samples) = 0;
+  // So many of them are done; `what` says of what. Called often. May throw, to end the sweep.
+  virtual void done(const std::string& renderer, double samples, const std::string& what) = 0;
+};
 
-// The samples that a scene's sweep takes, as far as they are not in the journal: to show progress by.
-double samplesToCome(const SceneToSweep& sweep, const std::vector<RendererInfo>& renderers, const Journal& journal);
+// Tells the watcher what a scene's sweep takes, as far as it is not in the journal.
+void expectSweep(const SceneToSweep& sweep, const std::vector<RendererInfo>& renderers, const Journal& journal,
+                 Watcher& watcher);
 
 // `renderers` are the devices' and, last, the reference's. Measures what the journal does not have.
 SweptScene measure(const SceneToSweep& sweep, std::vector<std::unique_ptr<Renderer>> renderers, Journal& journal,
-                   const Tell& tell);
+                   Watcher& watcher);
 
 }  // namespace turner

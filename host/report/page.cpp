@@ -166,7 +166,7 @@ class Page {
     add("<!DOCTYPE html>\n<html lang='en'>\n<head>\n<meta charset='utf-8'>\n<meta name='viewport' "
         "content='width=device-width, initial-scale=1'>\n<link rel='icon' href='data:,'>\n<title>Speed against error: "
         "{}</title>\n<style>\n{}</style>\n</head>\n<body>\n",
-        escaped(scenes.empty() ? "" : scenes[0].told.name), kPageStyle);
+        escaped(scenes.empty() ? "" : scenes[0].path), kPageStyle);
     add("<h1>Speed against error</h1>\n<p class='about'>turner {}, {}. {}, {} cores; {}. Times are of tracing, warm: "
         "the "
         "median of {} interleaved repeats.</p>\n",
@@ -316,15 +316,20 @@ class Page {
       for (const double figure :
            {p.rmse, p.relRmse, p.sampling.rmse, p.cutOff.rmse, p.quantisation.rmse, p.arithmetic.rmse,
             p.total.meanSigned, p.total.p50, p.total.p99, p.total.p999, p.total.max})
-        add("<td data-value='{}'>{:.2e}</td>", figure, figure);
+        cell(figure, fmt::format("{:.2e}", figure));
       for (const uint64_t count : {p.total.nan, p.total.inf}) add("<td data-value='{}'>{}</td>", count, count);
-      if (std::isfinite(p.efficiency()))
-        add("<td data-value='{}'>{:.3g}</td>", p.efficiency(), p.efficiency());
-      else
-        add("<td data-value=''></td>");
+      cell(p.efficiency(), fmt::format("{:.3g}", p.efficiency()));
       add("<td class='command'><code>{}</code></td></tr>\n", escaped(renderCommand(scene, p, machine_.shaders)));
     }
     add("</tbody></table></div>\n");
+  }
+
+  // Empty where there is no number.
+  void cell(double value, const std::string& text) {
+    if (std::isfinite(value))
+      add("<td data-value='{}'>{}</td>", value, text);
+    else
+      add("<td data-value=''></td>");
   }
 
   void howToRead() {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <chrono>
 
 #include "reference/reference.h"
 #include "scene/text_file.h"
@@ -45,10 +44,8 @@ class ReferencePictures : public Renderer {
   }
 
   TimedPicture render(const RenderSettings& settings, const Progress& progress) override {
-    using Clock = std::chrono::steady_clock;
-    const Clock::time_point start = Clock::now();
-    Image image = renderReference(scene_, settings, progress).image;
-    return {std::move(image), std::chrono::duration<double>(Clock::now() - start).count()};
+    ReferencePicture picture = renderReference(scene_, settings, progress);
+    return {std::move(picture.image), picture.traceSeconds};
   }
 
  private:

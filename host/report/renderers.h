@@ -15,7 +15,8 @@ namespace turner {
 
 struct TimedPicture {
   Image image;
-  double seconds = 0;  // of tracing, warm: by the device's clock, of the reference by the wall's
+  double seconds =
+      0;  // of tracing, warm: by the device's clock, of the reference by the wall's; trees are built before
 };
 
 // Who renders, in words.

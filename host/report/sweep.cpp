@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 
 namespace turner {
 namespace {
@@ -18,17 +19,17 @@ constexpr int kSamplesOfCutOffs = 4;
 
 std::vector<Setting> planSweep(const Scene& scene, const RenderSettings& whole, int maxSamples) {
   std::vector<Setting> settings;
-  int most = 1;
-  for (const int samples : kSamples) {
-    if (samples > maxSamples) break;
-    most = samples;
+  std::vector<int> numbers;
+  std::copy_if(std::begin(kSamples), std::end(kSamples), std::back_inserter(numbers),
+               [&](int samples) { return samples < maxSamples; });
+  numbers.push_back(maxSamples);
+  for (const int samples : numbers)
     for (const Sampler sampler : {Sampler::grid, Sampler::jitter, Sampler::sobol})
       settings.push_back({sampler, samples, whole.depth, 0});
-  }
   const bool spawns = std::any_of(scene.materials.begin(), scene.materials.end(),
                                   [](const Material& m) { return m.reflect > 0 || m.transmit > 0; });
   if (spawns && whole.depth > 1) {
-    const int samples = std::min(kSamplesOfCutOffs, most);
+    const int samples = std::min(kSamplesOfCutOffs, maxSamples);
     for (const int depth : kDepths)
       if (depth < whole.depth) settings.push_back({Sampler::sobol, samples, depth, 0});
     for (const double weight : kMinWeights) settings.push_back({Sampler::sobol, samples, whole.depth, weight});

@@ -18,9 +18,9 @@ struct Setting {
   bool operator==(const Setting&) const = default;
 };
 
-// The knobs that `whole` leaves open: every sampler with every number of samples up to maxSamples, and, where a
-// material of the scene reflects or transmits, smaller depths and larger least weights at one number of samples. In the
-// order of the number of samples, the cheapest first; each setting once.
+// The knobs that `whole` leaves open: every sampler with numbers of samples up to maxSamples, this one too, and, where
+// a material of the scene reflects or transmits, smaller depths and larger least weights at one number of samples. In
+// the order of the number of samples, the cheapest first; each setting once.
 std::vector<Setting> planSweep(const Scene& scene, const RenderSettings& whole, int maxSamples);
 
 // The setting that a cut-off is compared with: the same samples, at the whole depth and without a least weight.

@@ -158,7 +158,8 @@ std::string reportJson(const Machine& machine, const std::vector<SweptScene>& sc
 std::string reportCsv(const Machine& machine, const std::vector<SweptScene>& scenes) {
   std::string text =
       "scene,device,device_name,driver,sampler,samples,depth,min_weight,width,height,crop,seconds_median,seconds_min,"
-      "seconds_max,rmse,rel_rmse,mean_signed,p50,p99,p999,max,nan,inf,efficiency,pareto,sampling_rmse,cut_off_rmse,"
+      "seconds_max,rmse,own_error,rel_rmse,mean_signed,p50,p99,p999,max,nan,inf,efficiency,pareto,sampling_rmse,cut_"
+      "off_rmse,"
       "quantisation_rmse,arithmetic_rmse,arithmetic_p999,arithmetic_max,arithmetic_mean_signed,arithmetic_bad_pixels,"
       "command\n";
   for (const SweptScene& scene : scenes) {
@@ -183,6 +184,7 @@ std::string reportCsv(const Machine& machine, const std::vector<SweptScene>& sce
                                                field(*least),
                                                field(*most),
                                                field(p.rmse),
+                                               field(scene.converged.ownError),
                                                field(p.relRmse),
                                                field(p.total.meanSigned),
                                                field(p.total.p50),

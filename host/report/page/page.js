@@ -37,14 +37,15 @@ function sortBy(header) {
   const ascending = header.getAttribute('aria-sort') !== 'ascending';
   for (const other of header.parentNode.children) other.removeAttribute('aria-sort');
   header.setAttribute('aria-sort', ascending ? 'ascending' : 'descending');
-  // What is no number stands last.
   const key = row => {
-    const cell = row.cells[column];
-    return cell.dataset.value === undefined ? cell.textContent : cell.dataset.value === '' ? Infinity : Number(cell.dataset.value);
+    const {dataset, textContent} = row.cells[column];
+    return dataset.value === undefined ? textContent : dataset.value === '' ? NaN : Number(dataset.value);
   };
   const compare = (a, b) => typeof a === 'number' ? a - b : a.localeCompare(b, undefined, {numeric: true});
-  const rows = [...body.rows].sort((a, b) => (ascending ? 1 : -1) * compare(key(a), key(b)));
-  body.append(...rows);
+  const rows = [...body.rows].map(row => [key(row), row]);
+  const numbers = rows.filter(([value]) => !Number.isNaN(value)), others = rows.filter(([value]) => Number.isNaN(value));
+  numbers.sort(([a], [b]) => (ascending ? 1 : -1) * compare(a, b));
+  body.append(...[...numbers, ...others].map(([, row]) => row));  // what is no number stands last
 }
 
 for (const point of document.querySelectorAll('.point')) {
