@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "picture/provenance.h"
 
@@ -16,6 +15,7 @@ namespace {
 constexpr double kThreshold = 1e-3;
 // A converged picture may come from a renderer whose float32 is wrong by at most this share of the least error.
 constexpr double kFarSmaller = 0.1;
+
 double samplesIn(const RenderSettings& settings) {
   return double(settings.crop.area()) * settings.samples * settings.samples;
 }
