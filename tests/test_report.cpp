@@ -119,6 +119,32 @@ TEST(Figures, ReachesAnErrorWhereThePowerLawDoes) {
   EXPECT_EQ(curvesOf(measured({{Sampler::grid, {0.005, -0.5, 1}}}))[0].targets[0]->samples, 1);
 }
 
+TEST(Figures, FirstSettingBelowAnErrorIsOneThatExists) {
+  const std::vector<std::string> sentences = findings(measured({{Sampler::jitter, {0.05, -0.5, 0.1}}}));
+  EXPECT_THAT(sentences, testing::Contains("The first setting below an RMSE of 0.01 is device, jitter 8x8: 6.4 s, RMSE "
+                                           "0.0063."));
+  EXPECT_THAT(sentences, Not(testing::Contains(HasSubstr("RMSE of 0.001"))));
+  EXPECT_THAT(
+      findings(measured({{Sampler::jitter, {0.02, -0.5, 0.1}}})),
+      testing::Contains("No setting comes down to an RMSE of 0.001. Along its slope jitter on device would, with "
+                        "about 400 samples in each pixel, in 40 s."));
+}
+
+TEST(Figures, FurthestCutOffThatLosesLittleIsTold) {
+  SweptScene scene = measured({{Sampler::sobol, {0.02, -0.5, 1}}}, {1, 4});
+  for (int depth = 1; depth < 5; ++depth) {
+    Point point = scene.points[1];
+    point.setting.depth = depth;
+    point.sampling.rmse = 0.005;
+    point.cutOff.rmse = 0.008 / (depth * depth);
+    point.seconds = {2.0 * depth};
+    scene.points.push_back(point);
+  }
+  EXPECT_THAT(findings(scene),
+              testing::Contains("A depth of 2 loses 0.002 rms (at 4x4 samples sampling loses 0.005) and "
+                                "takes 0.25 of the time on device."));
+}
+
 TEST(Figures, FrontHasWhatNothingBeatsInBoth) {
   // jitter costs twice as much and is as wrong: none of it is on the front.
   SweptScene scene = measured({{Sampler::grid, {0.1, -0.5, 1}}, {Sampler::jitter, {0.1, -0.5, 2}}});
@@ -139,10 +165,19 @@ TEST(Figures, LeadChangesWhereCurvesCross) {
   ASSERT_EQ(leads.size(), 2u);
   EXPECT_TRUE(leads[0].ofFirst);
   EXPECT_FALSE(leads[1].ofFirst);
-  EXPECT_EQ(scene.points[leads[1].point].setting, (Setting{Sampler::sobol, 8, 5, 0}));
+  EXPECT_EQ(scene.points[leads[0].to].setting, (Setting{Sampler::grid, 2, 5, 0}));
+  EXPECT_EQ(scene.points[leads[1].from].setting, (Setting{Sampler::sobol, 8, 5, 0}));
   EXPECT_THAT(findings(scene),
-              testing::Contains("grid on device is less wrong at the same samples than sobol on device; "
-                                "from 8x8 on (64 s, RMSE 0.0088) sobol on device is."));
+              testing::Contains("grid on device is less wrong than sobol on device from 1x1 to 2x2; sobol "
+                                "on device is less wrong than grid on device from 8x8 to 16x16."));
+}
+
+// One point that is alike ends a lead: it is not claimed to hold everywhere.
+TEST(Figures, ALeadEndsWhereItEnds) {
+  SweptScene scene = measured({{Sampler::jitter, {0.1, -0.5, 1}}, {Sampler::sobol, {0.08, -0.5, 1}}}, {1, 2, 3, 4});
+  scene.points[4].rmse = scene.points[5].rmse;  // jitter 3x3
+  EXPECT_THAT(findings(scene), testing::Contains("sobol on device is less wrong than jitter on device from 1x1 to 2x2; "
+                                                 "sobol on device is less wrong than jitter on device at 4x4."));
 }
 
 TEST(Figures, DifferencesOfNoiseAreNoLead) {
@@ -160,8 +195,11 @@ TEST(Figures, AFasterDeviceLeadsWhereverItsCurveEnds) {
     scene.points.push_back(point);
   }
   EXPECT_THAT(findings(scene),
-              testing::Contains("sobol on device is faster with the same picture than sobol on reference. "
-                                "sobol on device takes 0.01 to 0.01 of its time."));
+              testing::Contains("For the same pictures device takes 0.01 times as long as reference."));
+  EXPECT_THAT(findings(scene), testing::Contains("sobol on device is faster than sobol on reference from 1x1 to 8x8."));
+  // Times that scatter into one another are no lead.
+  for (Point& point : scene.points) point.seconds = {0.001, point.seconds[0], 1000};
+  EXPECT_TRUE(leadsOf(scene, curvesOf(scene)[0], curvesOf(scene)[1], Figure::seconds).empty());
 }
 
 // A picture with a NaN has no error that could be compared: it would be that of the other pixels.
@@ -261,6 +299,19 @@ TEST(ConvergedPicture, EndsWhenItCostsMoreThanAllElseAndSaysSo) {
   EXPECT_FALSE(converged.enough);
   EXPECT_EQ(converged.samples, 48);
   EXPECT_LE(samples, 2 * (16 * 16 + 48 * 48 + 48 * 48));
+}
+
+TEST(ConvergedPicture, IsNotEnoughWithAPixelThatIsNoNumber) {
+  int pictures = 0;
+  const Converged converged = converge(
+      [&](const RenderSettings& settings) {
+        Image image = noisy(1)(settings);
+        if (++pictures == 2) image.rgb[7] = NAN;
+        return image;
+      },
+      small(), 4, [](const Image&, double) { return 1.0; });
+  EXPECT_FALSE(converged.enough);
+  EXPECT_EQ(pictures, 2);
 }
 
 TEST(ConvergedPicture, HasNumbersOfSamplesThatSuitSobol) {
@@ -376,7 +427,7 @@ TEST(Chart, EscapesWhatItIsGivenAndLeavesOutWhatHasNoLogarithm) {
 }
 
 TEST(Chart, WithoutAnyErrorSaysSo) {
-  EXPECT_THAT(svgOf({}), HasSubstr("no error to draw"));
+  EXPECT_THAT(svgOf({}), HasSubstr("nothing to draw"));
 }
 
 size_t countOf(const std::string& text, const std::string& part) {

@@ -47,7 +47,7 @@ void StatusLine::show(const std::string& text) {
 
 void StatusLine::note(const std::string& text) {
   if (quiet_) return;
-  show("");
+  if (terminal_) show("");
   fmt::print(stderr, "{}{}\n", terminal_ ? "\r" : "", text);
 }
 

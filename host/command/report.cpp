@@ -132,6 +132,10 @@ std::string validUtf8(const std::string& text) {
                                                         : 0;
     bool fits = length > 0 && i + length <= text.size();
     for (size_t k = 1; fits && k < length; ++k) fits = (static_cast<unsigned char>(text[i + k]) & 0xc0) == 0x80;
+    // Neither overlong forms, nor surrogates, nor beyond U+10FFFF.
+    const unsigned second = fits && length > 2 ? static_cast<unsigned char>(text[i + 1]) : 0x9fu;
+    fits = fits && !(byte == 0xe0 && second < 0xa0) && !(byte == 0xed && second > 0x9f) &&
+           !(byte == 0xf0 && second < 0x90) && !(byte == 0xf4 && second > 0x8f);
     valid += fits ? text.substr(i, length) : "?";
     i += fits ? length : 1;
   }
@@ -239,7 +243,7 @@ class SweepProgress : public Watcher {
     load.samples += samples;
     load.seconds += now - last_;
     last_ = now;
-    if (!line_.isDue()) return;
+    if (now < kFirst || !line_.isDue()) return;
     const double left = secondsLeft();
     line_.show(fmt::format("{:3.0f} %, {} left: {}", 100 * now / (now + left), inWords(left), what));
     if (!warned_ && now > kEarly && left > kLong) {
@@ -255,8 +259,8 @@ class SweepProgress : public Watcher {
     double left = 0;                  // samples
     double samples = 0, seconds = 0;  // done
   };
-  // When an estimate can be told, and when it should be: seconds.
-  static constexpr double kEarly = 10, kLong = 600;
+  // When an estimate is one, when it is a good one, and when it should be told: seconds.
+  static constexpr double kFirst = 3, kEarly = 10, kLong = 600;
 
   static std::string inWords(double seconds) {
     return seconds < 120    ? fmt::format("{:.0f} s", seconds)

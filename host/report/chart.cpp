@@ -77,10 +77,17 @@ std::string numberText(double value) {
   return fmt::format("{:.3g}", value);
 }
 
+// Filled, hollow, or filled with a dark edge.
 std::string styleOf(const Series& series) {
   const char* color = kPalette[series.color];
-  return series.dashes % 2 == 0 ? fmt::format("fill='{}' stroke='#fff' stroke-width='.8'", color)
-                                : fmt::format("fill='#fff' stroke='{}' stroke-width='1.6'", color);
+  switch (series.dashes % 3) {
+    case 0:
+      return fmt::format("fill='{}' stroke='#fff' stroke-width='.8'", color);
+    case 1:
+      return fmt::format("fill='#fff' stroke='{}' stroke-width='1.6'", color);
+    default:
+      return fmt::format("fill='{}' stroke='#111' stroke-width='1.4'", color);
+  }
 }
 
 // The parts of the picture, one after the other.
@@ -245,7 +252,7 @@ std::string svgOf(const Chart& chart) {
       leastY = std::min(leastY, mark.y);
       mostY = std::max(mostY, mark.y);
     }
-  if (!(mostX > 0)) return "<p>There is no error to draw: every picture equals the converged one.</p>\n";
+  if (!(mostX > 0)) return "<p>There is nothing to draw: no error is a number above 0.</p>\n";
   const double height = heightOf(chart);
   const Axis x(leastX, mostX, kLeft, kWidth - kRight), y(leastY, mostY, height - kBottom, kTop);
   return Drawing(chart, x, y, height).draw();

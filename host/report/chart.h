@@ -14,15 +14,15 @@ struct Mark {
   bool ringed = false;  // on the Pareto front
 };
 
-// What a series is of is told by colour and by shape, whose it is by dashes and by filled or hollow marks: either is
-// enough.
+// What a series is of is told by colour and by shape, whose it is by dashes and by filled, hollow or edged marks:
+// either is enough.
 enum class Shape { circle, square, triangle, diamond, cross };
 struct Series {
   std::string name;  // in the legend
   std::vector<Mark> marks;
   int color = 0;  // of the palette
   Shape shape = Shape::circle;
-  int dashes = 0;      // kind of line; marks are hollow where it is odd
+  int dashes = 0;      // kind of line; and of mark
   bool joined = true;  // by lines
 };
 

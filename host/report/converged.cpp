@@ -78,15 +78,20 @@ Converged converge(const RenderPicture& render, const RenderSettings& whole, int
     const Image jittered = render(settings);
     settings.sampler = Sampler::sobol;
     settings.seed = kConvergedSeeds[1];
-    const Image sobol = render(settings);
+    result.sobol = render(settings);
 
-    result.mean = meanOf(jittered, sobol);
-    const Comparison halves = compareImages(jittered, sobol, 0);
+    result.mean = meanOf(jittered, result.sobol);
+    const Comparison halves = compareImages(jittered, result.sobol, 0);
     result.ownError = halves.rmse / 2;
     result.ownRelative = halves.relRmse / 2;
     result.leastError = leastErrorAgainst(result.mean, result.ownError);
     const double wanted = kConverged * result.leastError;
-    result.enough = result.ownError <= wanted;
+    result.enough = std::isfinite(wanted) && result.ownError <= wanted;
+    // More samples do not mend what is no number.
+    if (halves.nan + halves.inf > 0) {
+      result.enough = false;
+      return result;
+    }
     if (result.enough || result.samples >= most) return result;
     // As many more as the error asks for, and a little more than that.
     const double factor = wanted > 0 ? std::pow(result.ownError / wanted, 1 / kPower) * 1.05 : 2.0;

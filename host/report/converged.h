@@ -13,6 +13,7 @@ namespace turner {
 // error of the mean without a third picture ("half-split"), and holds whatever one of the samplers has of its own.
 struct Converged {
   Image mean;
+  Image sobol;             // one of the halves
   int samples = 0;         // n of the n x n samples in each pixel of either half
   double ownError = 0;     // rms error of the mean: half the rms difference of the halves
   double ownRelative = 0;  // the same of the relative error

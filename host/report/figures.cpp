@@ -11,6 +11,8 @@ namespace {
 
 // Below this a slope is no way to reach anything.
 constexpr double kLeastSlope = -0.1;
+// Errors that differ by less than this share are one: the same picture by two devices must not be two on the front.
+constexpr double kSame = 0.01;
 // Errors that differ by less than this share are called alike: times are measured, and errors are of some draws.
 constexpr double kAlike = 0.1;
 // So many times the samples that were measured a slope may be believed, if it is through more than two points.
@@ -47,6 +49,15 @@ std::optional<Reach> reach(const SweptScene& scene, const Curve& curve, double t
   return Reach{samplesOf(last) * factor, last.medianSeconds() * factor, true};
 }
 
+// The points of two curves that have the same numbers of samples.
+std::vector<std::pair<size_t, size_t>> sameSamples(const SweptScene& scene, const Curve& first, const Curve& second) {
+  std::vector<std::pair<size_t, size_t>> pairs;
+  for (const size_t i : first.points)
+    for (const size_t j : second.points)
+      if (scene.points[i].setting.samples == scene.points[j].setting.samples) pairs.emplace_back(i, j);
+  return pairs;
+}
+
 std::string curveInWords(const SweptScene& scene, const Curve& curve) {
   return fmt::format("{} on {}", samplerName(curve.sampler), scene.renderers[curve.renderer].name);
 }
@@ -72,64 +83,115 @@ std::string frontInWords(const SweptScene& scene) {
   return text.empty() ? text : text + ".";
 }
 
+// The fastest setting that comes down to an error, and those that are as fast; where none does, the curve that would.
 void addTargets(const SweptScene& scene, const std::vector<Curve>& curves, std::vector<std::string>& sentences) {
   for (size_t t = 0; t < std::size(kTargets); ++t) {
-    const Curve* best = nullptr;
+    const Point* best = nullptr;
+    for (const Point& point : scene.points)
+      if (point.rmse <= kTargets[t] && (!best || point.medianSeconds() < best->medianSeconds())) best = &point;
+    if (best) {
+      std::string others;
+      for (const Point& point : scene.points)
+        if (&point != best && point.rmse <= kTargets[t] &&
+            point.medianSeconds() * (1 - kAlike) < best->medianSeconds())
+          others += (others.empty() ? "; within a tenth of that: " : "; ") + pointInWords(scene, point);
+      sentences.push_back(fmt::format("The first setting below an RMSE of {:g} is {}: {}, RMSE {:.2g}{}.", kTargets[t],
+                                      pointInWords(scene, *best), timeInWords(best->medianSeconds()), best->rmse,
+                                      others));
+      continue;
+    }
+    const Curve* first = nullptr;
     for (const Curve& curve : curves)
-      if (curve.targets[t] && (!best || curve.targets[t]->seconds < best->targets[t]->seconds)) best = &curve;
-    if (!best) continue;
-    const Reach& found = *best->targets[t];
-    sentences.push_back(fmt::format(
-        "An RMSE of {:g} is reached first by {}: in {}, with {} {:.3g} samples in each pixel{}.", kTargets[t],
-        curveInWords(scene, *best), timeInWords(found.seconds), found.samples > 1 ? "about" : "at most", found.samples,
-        found.extrapolated ? " (extrapolated along its slope)" : ""));
+      if (curve.targets[t] && (!first || curve.targets[t]->seconds < first->targets[t]->seconds)) first = &curve;
+    if (first)
+      sentences.push_back(
+          fmt::format("No setting comes down to an RMSE of {:g}. Along its slope {} would, with about {:.3g} samples in "
+                      "each pixel, in {}.",
+                      kTargets[t], curveInWords(scene, *first), first->targets[t]->samples,
+                      timeInWords(first->targets[t]->seconds)));
   }
 }
 
-// Which of two curves leads in a figure, and from which point on; `better` is what the leader is, `same` what both do.
+std::string gridInWords(const Point& point) {
+  return fmt::format("{}x{}", point.setting.samples, point.setting.samples);
+}
+
+// Where each of two curves is ahead; `what` the leader then is.
 std::string pairInWords(const SweptScene& scene, const Curve& first, const Curve& second, Figure figure,
-                        const std::string& better, const std::string& same) {
+                        const std::string& what) {
   const std::string a = curveInWords(scene, first), b = curveInWords(scene, second);
   std::string text;
   for (const Lead& lead : leadsOf(scene, first, second, figure)) {
-    if (text.empty()) {
-      text = fmt::format("{} is {} {}", lead.ofFirst ? a : b, better, lead.ofFirst ? b : a);
-      continue;
-    }
-    const Point& from = scene.points[lead.point];
-    text += fmt::format("; from {}x{} on ({}, RMSE {:.2g}) {} is", from.setting.samples, from.setting.samples,
-                        timeInWords(from.medianSeconds()), from.rmse, lead.ofFirst ? a : b);
+    const std::string from = gridInWords(scene.points[lead.from]), to = gridInWords(scene.points[lead.to]);
+    text += fmt::format("{}{} is {} {} {}", text.empty() ? "" : "; ", lead.ofFirst ? a : b, what, lead.ofFirst ? b : a,
+                        from == to ? "at " + from : fmt::format("from {} to {}", from, to));
   }
-  return (text.empty() ? fmt::format("{} and {} {}, within a tenth", a, b, same) : text) + ".";
+  return text.empty() ? "" : text + ".";
 }
 
-// By how much faster, over the same settings.
+// The times of two devices for the same pictures.
 std::string ratiosInWords(const SweptScene& scene, const Curve& first, const Curve& second) {
   double least = HUGE_VAL, most = 0;
-  for (const size_t i : first.points)
-    for (const size_t j : second.points) {
-      const Point &a = scene.points[i], &b = scene.points[j];
-      if (a.setting.samples != b.setting.samples) continue;
-      least = std::min(least, a.medianSeconds() / b.medianSeconds());
-      most = std::max(most, a.medianSeconds() / b.medianSeconds());
-    }
-  return fmt::format(" {} takes {:.2g} to {:.2g} of its time.", curveInWords(scene, first), least, most);
+  for (const auto& [i, j] : sameSamples(scene, first, second)) {
+    const double ratio = scene.points[i].medianSeconds() / scene.points[j].medianSeconds();
+    least = std::min(least, ratio);
+    most = std::max(most, ratio);
+  }
+  if (most == 0) return "";
+  const std::string range =
+      most - least < 0.05 * most ? fmt::format("{:.2g}", most) : fmt::format("{:.2g} to {:.2g}", least, most);
+  return fmt::format("For the same pictures {} takes {} times as long as {}.", scene.renderers[first.renderer].name,
+                     range, scene.renderers[second.renderer].name);
 }
 
 void addPairs(const SweptScene& scene, const std::vector<Curve>& curves, std::vector<std::string>& sentences) {
+  const auto add = [&](const std::string& sentence) {
+    if (!sentence.empty()) sentences.push_back(sentence);
+  };
   for (const Curve& sobol : curves) {
     if (sobol.sampler != Sampler::sobol) continue;
     // Against the other samplers on this device, at the same samples, which take the same time; and against the devices
     // after this, which make the same picture.
     for (const Curve& other : curves) {
       if (other.renderer == sobol.renderer && other.sampler != Sampler::sobol)
-        sentences.push_back(pairInWords(scene, sobol, other, Figure::rmse, "less wrong at the same samples than",
-                                        "are as wrong at the same samples"));
-      if (other.renderer > sobol.renderer && other.sampler == Sampler::sobol)
-        sentences.push_back(pairInWords(scene, sobol, other, Figure::seconds, "faster with the same picture than",
-                                        "take the same time for the same picture") +
-                            ratiosInWords(scene, sobol, other));
+        add(pairInWords(scene, sobol, other, Figure::rmse, "less wrong than"));
+      if (other.renderer > sobol.renderer && other.sampler == Sampler::sobol) {
+        add(ratiosInWords(scene, sobol, other));
+        add(pairInWords(scene, sobol, other, Figure::seconds, "faster than"));
+      }
     }
+  }
+}
+
+// Which cut-offs are cheap: those that lose at most half as much as sampling does, the furthest of depth and of weight.
+void addCutOffs(const SweptScene& scene, std::vector<std::string>& sentences) {
+  for (const bool depths : {true, false}) {
+    const Point *best = nullptr, *whole = nullptr;
+    bool any = false;
+    for (const Point& point : scene.points) {
+      const bool isDepth = point.setting.depth != scene.whole.depth, isWeight = point.setting.minWeight > 0;
+      if (point.renderer != 0 || !(depths ? isDepth : isWeight)) continue;
+      any = true;
+      if (!(point.cutOff.rmse <= point.sampling.rmse / 2)) continue;
+      const auto further = [&](const Setting& a, const Setting& b) {
+        return depths ? a.depth < b.depth : a.minWeight > b.minWeight;
+      };
+      if (!best || further(point.setting, best->setting)) best = &point;
+    }
+    if (!any) continue;
+    if (!best) {
+      sentences.push_back(fmt::format("Every {} measured loses more than half as much as sampling does.",
+                                      depths ? "smaller depth" : "least weight"));
+      continue;
+    }
+    for (const Point& point : scene.points)
+      if (point.renderer == 0 && point.setting == uncut(best->setting, scene.whole)) whole = &point;
+    const Setting& setting = best->setting;
+    sentences.push_back(fmt::format(
+        "{} loses {:.2g} rms (at {}x{} samples sampling loses {:.2g}) and takes {:.2g} of the time on {}.",
+        depths ? fmt::format("A depth of {}", setting.depth) : fmt::format("A least weight of {}", setting.minWeight),
+        best->cutOff.rmse, setting.samples, setting.samples, best->sampling.rmse,
+        best->medianSeconds() / whole->medianSeconds(), scene.renderers[0].name));
   }
 }
 
@@ -221,22 +283,30 @@ std::vector<size_t> paretoFront(const SweptScene& scene) {
   std::sort(order.begin(), order.end(), [&](size_t a, size_t b) { return key(a) < key(b); });
   std::vector<size_t> front;
   for (const size_t i : order)
-    if (front.empty() || scene.points[i].rmse < scene.points[front.back()].rmse) front.push_back(i);
+    if (front.empty() || scene.points[i].rmse < (1 - kSame) * scene.points[front.back()].rmse) front.push_back(i);
   return front;
 }
 
 std::vector<Lead> leadsOf(const SweptScene& scene, const Curve& first, const Curve& second, Figure figure) {
   std::vector<Lead> leads;
-  for (const size_t i : first.points)
-    for (const size_t j : second.points) {
-      const Point &a = scene.points[i], &b = scene.points[j];
-      if (a.setting.samples != b.setting.samples) continue;
-      const double x = figure == Figure::rmse ? a.rmse : a.medianSeconds();
-      const double y = figure == Figure::rmse ? b.rmse : b.medianSeconds();
-      if (!(std::min(x, y) < (1 - kAlike) * std::max(x, y))) continue;
-      const bool ofFirst = x < y;
-      if (leads.empty() || leads.back().ofFirst != ofFirst) leads.push_back({ofFirst ? i : j, ofFirst});
+  bool goesOn = false;  // whether the last lead reached the point before
+  for (const auto& [i, j] : sameSamples(scene, first, second)) {
+    const Point &a = scene.points[i], &b = scene.points[j];
+    const double x = figure == Figure::rmse ? a.rmse : a.medianSeconds();
+    const double y = figure == Figure::rmse ? b.rmse : b.medianSeconds();
+    const bool ofFirst = x < y;
+    // Times must differ by more than they scatter, too.
+    const auto [fast, slow] = ofFirst ? std::pair(&a, &b) : std::pair(&b, &a);
+    const bool apart = figure == Figure::rmse || *std::max_element(fast->seconds.begin(), fast->seconds.end()) <
+                                                     *std::min_element(slow->seconds.begin(), slow->seconds.end());
+    if (!apart || !(std::min(x, y) < (1 - kAlike) * std::max(x, y))) {
+      goesOn = false;
+      continue;
     }
+    if (!goesOn || leads.back().ofFirst != ofFirst) leads.push_back({ofFirst ? i : j, 0, ofFirst});
+    leads.back().to = ofFirst ? i : j;
+    goesOn = true;
+  }
   return leads;
 }
 
@@ -250,7 +320,7 @@ std::string pointInWords(const SweptScene& scene, const Point& point) {
 
 std::vector<std::string> findings(const SweptScene& scene) {
   const std::vector<Curve> curves = curvesOf(scene);
-  std::vector<std::string> sentences;
+  std::vector<std::string> sentences = scene.failures;
   if (!scene.converged.enough)
     sentences.push_back(fmt::format(
         "CAUTION: the converged picture's own error, {:.2g}, is more than a quarter of the least error found ({:.2g}): "
@@ -259,6 +329,7 @@ std::vector<std::string> findings(const SweptScene& scene) {
   if (const std::string front = frontInWords(scene); !front.empty()) sentences.push_back(front);
   addTargets(scene, curves, sentences);
   addPairs(scene, curves, sentences);
+  addCutOffs(scene, sentences);
   addArithmetic(scene, sentences);
   return sentences;
 }

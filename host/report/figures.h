@@ -33,14 +33,14 @@ std::vector<Curve> curvesOf(const SweptScene& scene);
 // The slope of the straight line nearest to the points (log x, log y); none with fewer than two different x.
 std::optional<double> logSlope(const std::vector<double>& x, const std::vector<double>& y);
 
-// The points than which none is both faster and less wrong, by time.
+// The points than which none is both faster and less wrong, by time. Each is less wrong by a hundredth than the one
+// before.
 std::vector<size_t> paretoFront(const SweptScene& scene);
 
-// Two curves at the same samples: which has the smaller figure, by more than a tenth, from which point on. They
-// alternate.
+// Two curves at the same samples: where one has the smaller figure, by more than a tenth, without a break.
 enum class Figure { rmse, seconds };
 struct Lead {
-  size_t point = 0;  // the leader's
+  size_t from = 0, to = 0;  // the leader's points
   bool ofFirst = false;
 };
 std::vector<Lead> leadsOf(const SweptScene& scene, const Curve& first, const Curve& second, Figure figure);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "errors.h"
 #include "picture/provenance.h"
 
 namespace turner {
@@ -26,6 +27,16 @@ double rmseOf(const Comparison& comparison) {
 }
 double rmsError(const Image& a, const Image& b) {
   return rmseOf(compareImages(a, b, kThreshold));
+}
+
+Image partOf(const Image& image, const Window& part) {
+  Image result(image.width, image.height, part);
+  for (int y = part.y0; y < part.y1; ++y) {
+    const size_t from = size_t(y - image.window.y0) * size_t(image.window.width()) + size_t(part.x0 - image.window.x0);
+    std::copy_n(image.rgb.begin() + std::ptrdiff_t(3 * from), 3 * part.width(),
+                result.rgb.begin() + std::ptrdiff_t(3 * size_t(y - part.y0) * size_t(part.width())));
+  }
+  return result;
 }
 
 std::string pointName(const SceneToSweep& sweep, const std::string& renderer, const Setting& setting) {
@@ -52,17 +63,16 @@ class Measuring {
         watcher_(watcher) {}
 
   SweptScene run() {
+    SweptScene result;
     // Every setting once.
     for (const Setting& setting : sweep_.settings) {
-      for (const auto& renderer : renderers_) measureFirst(*renderer, setting);
+      for (size_t i = 0; i < renderers_.size(); ++i) tryFirst(i, setting, result.failures);
       measureFirst(*rounded_, setting);
     }
 
-    SweptScene result;
     result.convergedBy = chooseConverged();
     result.converged = convergeOn(result.convergedBy.renderer);
-    // What is known of float32 is compared with an estimate of the least error; now that is known too.
-    if (result.convergedBy.floatError > kFarSmaller * result.converged.leastError) {
+    if (result.convergedBy.renderer != reference() && !isTrusted(result)) {
       result.convergedBy = {reference(), 0};
       result.converged = convergeOn(reference());
     }
@@ -135,6 +145,35 @@ class Measuring {
     const TimedPicture picture = render(renderer, settingsWith(sweep_.whole, setting, uint32_t(repeat)), point);
     const double rmse = rmsError(picture.image, converged);
     journal_.add(point, repeat, {.seconds = picture.seconds, .meanSquare = rmse * rmse});
+  }
+
+  // A device that cannot render the scene is left out, if there is another one.
+  void tryFirst(size_t& i, const Setting& setting, std::vector<std::string>& failures) {
+    try {
+      measureFirst(*renderers_[i], setting);
+    } catch (const RunError& error) {
+      if (i == reference() || renderers_.size() <= 2) throw;
+      failures.push_back(renderers_[i]->info.name + " cannot render this scene: " + error.what());
+      renderers_.erase(renderers_.begin() + std::ptrdiff_t(i--));
+    }
+  }
+
+  // Of a device's converged picture. What was known of its float32 came from fewer samples, and was compared with an
+  // estimate of the least error; now that is known, and the reference renders a sixteenth of the picture once more.
+  bool isTrusted(SweptScene& result) {
+    double& floatError = result.convergedBy.floatError;
+    const Converged& converged = result.converged;
+    RenderSettings settings = settingsWith(sweep_.whole, {Sampler::sobol, converged.samples, sweep_.whole.depth, 0},
+                                           kConvergedSeeds[1]);
+    const Window& whole = sweep_.whole.crop;
+    const int width = std::max(1, whole.width() / 4), height = std::max(1, whole.height() / 4);
+    const int x = whole.x0 + (whole.width() - width) / 2, y = whole.y0 + (whole.height() - height) / 2;
+    settings.crop = {x, y, x + width, y + height};
+    watcher_.expect(renderers_[reference()]->info.name, samplesIn(settings));
+    const Image exact = render(*renderers_[reference()], settings, sweep_.tag + "converged").image;
+    floatError = std::max(floatError, rmsError(partOf(converged.sobol, settings.crop), exact));
+    const double bound = kFarSmaller * converged.leastError;
+    return std::isfinite(bound) && floatError <= bound;
   }
 
   // The fastest renderer that computes well enough: two samplers' pictures with the most samples estimate the least

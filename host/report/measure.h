@@ -49,6 +49,7 @@ struct SweptScene {
   size_t spheres = 0, triangles = 0;
   RenderSettings whole;
   std::vector<RendererInfo> renderers;  // the devices, then the reference
+  std::vector<std::string> failures;    // of devices that could not render the scene, in words
   std::vector<Point> points;
   Converged converged;
   ConvergedBy convergedBy;
