@@ -92,8 +92,7 @@ void addTargets(const SweptScene& scene, const std::vector<Curve>& curves, std::
     if (best) {
       std::string others;
       for (const Point& point : scene.points)
-        if (&point != best && point.rmse <= kTargets[t] &&
-            point.medianSeconds() * (1 - kAlike) < best->medianSeconds())
+        if (&point != best && point.rmse <= kTargets[t] && point.medianSeconds() * (1 - kAlike) < best->medianSeconds())
           others += (others.empty() ? "; within a tenth of that: " : "; ") + pointInWords(scene, point);
       sentences.push_back(fmt::format("The first setting below an RMSE of {:g} is {}: {}, RMSE {:.2g}{}.", kTargets[t],
                                       pointInWords(scene, *best), timeInWords(best->medianSeconds()), best->rmse,
@@ -104,11 +103,11 @@ void addTargets(const SweptScene& scene, const std::vector<Curve>& curves, std::
     for (const Curve& curve : curves)
       if (curve.targets[t] && (!first || curve.targets[t]->seconds < first->targets[t]->seconds)) first = &curve;
     if (first)
-      sentences.push_back(
-          fmt::format("No setting comes down to an RMSE of {:g}. Along its slope {} would, with about {:.3g} samples in "
-                      "each pixel, in {}.",
-                      kTargets[t], curveInWords(scene, *first), first->targets[t]->samples,
-                      timeInWords(first->targets[t]->seconds)));
+      sentences.push_back(fmt::format(
+          "No setting comes down to an RMSE of {:g}. Along its slope {} would, with about {:.3g} samples in "
+          "each pixel, in {}.",
+          kTargets[t], curveInWords(scene, *first), first->targets[t]->samples,
+          timeInWords(first->targets[t]->seconds)));
   }
 }
 

@@ -163,8 +163,8 @@ class Measuring {
   bool isTrusted(SweptScene& result) {
     double& floatError = result.convergedBy.floatError;
     const Converged& converged = result.converged;
-    RenderSettings settings = settingsWith(sweep_.whole, {Sampler::sobol, converged.samples, sweep_.whole.depth, 0},
-                                           kConvergedSeeds[1]);
+    RenderSettings settings =
+        settingsWith(sweep_.whole, {Sampler::sobol, converged.samples, sweep_.whole.depth, 0}, kConvergedSeeds[1]);
     const Window& whole = sweep_.whole.crop;
     const int width = std::max(1, whole.width() / 4), height = std::max(1, whole.height() / 4);
     const int x = whole.x0 + (whole.width() - width) / 2, y = whole.y0 + (whole.height() - height) / 2;

@@ -169,8 +169,7 @@ class Page {
         "{}</title>\n<style>\n{}</style>\n</head>\n<body>\n",
         escaped(scenes.empty() ? "" : scenes[0].path), kPageStyle);
     add("<h1>Speed against error</h1>\n<p class='about'>turner {}, {}. {}, {} cores; {}. Times are of tracing, warm: "
-        "the "
-        "median of {} interleaved repeats.</p>\n",
+        "the median of {} interleaved repeats.</p>\n",
         escaped(machine_.version), escaped(machine_.date), escaped(machine_.processor), machine_.cores,
         escaped(machine_.system), machine_.repeats);
     if (!scenes.empty()) {
@@ -196,8 +195,7 @@ class Page {
     add("</ul>\n");
     const Converged& converged = scene.converged;
     add("<p class='note'>Errors are against a converged picture by {}: {} samples in each pixel, half of them "
-        "jittered, "
-        "half sobol's, with seeds of their own. Its own rms error is {:.2g}{}, and is subtracted.</p>\n",
+        "jittered, half sobol's, with seeds of their own. Its own rms error is {:.2g}{}, and is subtracted.</p>\n",
         escaped(scene.renderers[scene.convergedBy.renderer].name), 2 * converged.samples * converged.samples,
         converged.ownError,
         converged.enough ? fmt::format(", at most a quarter of the least error found ({:.2g})", converged.leastError)
@@ -237,8 +235,7 @@ class Page {
         "is seen'></div>\n",
         first);
     add("<p class='scale'>|error| of the worst channel: 1e-4 <span style='background:linear-gradient(to right, "
-        "{})'></span> "
-        "1, logarithmic</p>\n",
+        "{})'></span> 1, logarithmic</p>\n",
         kColourBar);
     add("<script type='application/json' class='pictures'>{{\"converged\":\"{}\",\"points\":{{{}}}}}</script>\n",
         dataUri(scene.converged.mean), list);
@@ -249,16 +246,13 @@ class Page {
                                  [&](const Point& p) { return p.setting != uncut(p.setting, scene.whole); });
     if (!any) {
       add("<p class='note'>--depth and --min-weight change nothing here: no material reflects or transmits, or the "
-          "depth "
-          "is 1.</p>\n");
+          "depth is 1.</p>\n");
       return;
     }
     add("<h3>What --depth and --min-weight cut off</h3>\n<p class='note'>Against the same samples at depth {} without "
-        "a "
-        "least weight, so that there is no noise in it. Bias is the mean signed error: what is cut off is light that "
-        "is "
-        "missing.</p>\n<div class='wide'><table class='cuts'><thead><tr><th>setting</th><th>time</th><th>share of the "
-        "time</th><th>rms cut off</th><th>largest</th><th>bias</th></tr></thead><tbody>\n",
+        "a least weight, so that there is no noise in it. Bias is the mean signed error: what is cut off is light that "
+        "is missing.</p>\n<div class='wide'><table class='cuts'><thead><tr><th>setting</th><th>time</th><th>share of "
+        "the time</th><th>rms cut off</th><th>largest</th><th>bias</th></tr></thead><tbody>\n",
         scene.whole.depth);
     for (const Point& point : scene.points) {
       const Setting whole = uncut(point.setting, scene.whole);
@@ -299,8 +293,7 @@ class Page {
                                         "bias",     "p50",         "p99",       "p99.9",       "max",
                                         "NaN",      "inf",         "1/(MSE s)", "to repeat it"};
     add("<h3>All points</h3>\n<p class='note'>Bold: on the Pareto front. Click on a heading to sort by it, on a row to "
-        "see it "
-        "in the charts.</p>\n<div class='wide'><table class='points'><thead><tr>");
+        "see it in the charts.</p>\n<div class='wide'><table class='points'><thead><tr>");
     for (const char* column : kColumns)
       add("<th scope='col'{}><button>{}</button></th>", column == std::string("to repeat it") ? " class='command'" : "",
           column);
@@ -334,18 +327,14 @@ class Page {
   }
 
   void howToRead() {
-    add("<h2>How to read this</h2>\n<ul>\n"
-        "<li><b>RMSE</b>: root mean square over linear R, G and B of the picture minus the converged one, and over the "
-        "repeats, "
-        "each of which has a seed of its own. The other figures are of seed 0.</li>\n"
-        "<li><b>Pareto front</b>: no other setting is both faster and less wrong, by a hundredth.</li>\n"
-        "<li><b>Slope</b>: of log RMSE over log samples. Random samples have -0.5; at edges stratified ones have "
-        "-0.75, on "
-        "smooth shading -1.</li>\n"
-        "<li><b>Sampling, cut off, quantisation, arithmetic</b>: the steps from the converged picture to this one. The "
-        "reference at the same samples; with this depth and least weight; of the scene rounded to float32; the shader "
-        "of that.</li>\n"
-        "<li><b>Bias</b>: mean signed error. <b>p99.9</b>: one pixel in a thousand is off by more.</li>\n</ul>\n");
+    add("<h2>How to read this</h2>\n<ul>\n<li><b>RMSE</b>: root mean square over linear R, G and B of the picture "
+        "minus the converged one, and over the repeats, each of which has a seed of its own. The other figures are of "
+        "seed 0.</li>\n<li><b>Pareto front</b>: no other setting is both faster and less wrong, by a "
+        "hundredth.</li>\n<li><b>Slope</b>: of log RMSE over log samples. Random samples have -0.5; at edges "
+        "stratified ones have -0.75, on smooth shading -1.</li>\n<li><b>Sampling, cut off, quantisation, "
+        "arithmetic</b>: the steps from the converged picture to this one. The reference at the same samples; with "
+        "this depth and least weight; of the scene rounded to float32; the shader of that.</li>\n<li><b>Bias</b>: mean "
+        "signed error. <b>p99.9</b>: one pixel in a thousand is off by more.</li>\n</ul>\n");
   }
 
   const Machine& machine_;
