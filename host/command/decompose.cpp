@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
-#include <cmath>
 #include <vector>
 
 #include "scene/scene.h"
@@ -16,8 +15,6 @@ namespace {
 
 // A round has so many times the picture's samples along each side of the pixel's grid, where the sampler bears it.
 constexpr int kFinerGrid = 4;
-// An error of a quarter of the figure, were it not subtracted, would make that 3 % too large.
-constexpr double kConverged = 0.25;
 
 // The mean of pictures.
 class MeanPicture {
@@ -64,7 +61,7 @@ SamplingError measureSampling(const Image& picture, const RenderSettings& settin
     error.ownError = compareImages(halves[0].mean(), halves[1].mean(), threshold).rmse / 2;
     error.figures = compareImages(picture, all.mean(), threshold);
     double& rmse = error.figures.rmse;
-    rmse = std::sqrt(std::max(0.0, rmse * rmse - error.ownError * error.ownError));
+    rmse = withoutOwnError(rmse, error.ownError);
     error.converged = error.ownError <= kConverged * rmse;
     const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
     if (error.converged || rounds + 2 > bounds.rounds || seconds > bounds.seconds) return error;

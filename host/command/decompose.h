@@ -2,10 +2,10 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 
 #include "picture/compare.h"
 #include "picture/settings.h"
+#include "report/converged.h"
 
 namespace turner {
 
@@ -22,9 +22,6 @@ struct Decomposition {
   Comparison arithmetic;    // the picture minus the reference of the rounded scene
   Comparison quantisation;  // the reference of the rounded scene minus that of the scene itself
 };
-
-// A picture of the scene with these settings.
-using RenderPicture = std::function<Image(const RenderSettings&)>;
 
 // When to give up: no two rounds are begun beyond these.
 struct ConvergenceBounds {

@@ -159,8 +159,8 @@ Plan planFor(const ReportOptions& options) {
     plan.sweeps.push_back({scene, validUtf8(options.scenes[i]), stem, fmt::format("{}-{}-", i + 1, stem), whole,
                            planSweep(scene, whole, maxSamples), plan.repeats});
   }
-  for (const auto& renderer : openRenderers(plan.scenes[0], plan.devices, plan.shaders))
-    plan.renderers.push_back(renderer->info);
+  // Who renders does not depend on what.
+  for (const auto& renderer : openRenderers({}, plan.devices, plan.shaders)) plan.renderers.push_back(renderer->info);
   throwIfInterrupted();
   return plan;
 }

@@ -3,6 +3,7 @@
 
 #include "json_text.h"
 #include "picture/figures_json.h"
+#include "picture/provenance.h"
 
 namespace turner {
 
@@ -27,8 +28,7 @@ std::string statsJson(const Stats& stats) {
       json.put("backend", stats.backend);
       json.put("geometry", stats.geometry);
       json.put("fetch", stats.fetch);
-      json.put("crop", std::to_string(settings.crop.x0) + ',' + std::to_string(settings.crop.y0) + ',' +
-                           std::to_string(settings.crop.x1) + ',' + std::to_string(settings.crop.y1));
+      json.put("crop", cropText(settings.crop));
     });
     json.object("primitives", [&] {
       json.put("spheres", stats.spheres);

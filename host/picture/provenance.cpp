@@ -38,6 +38,10 @@ glm::dmat4 cameraToNdc(const Camera& camera, int width, int height) {
 
 }  // namespace
 
+std::string cropText(const Window& crop) {
+  return fmt::format("{},{},{},{}", crop.x0, crop.y0, crop.x1, crop.y1);
+}
+
 std::string optionsText(const RenderSettings& settings, const std::string& renderer) {
   return fmt::format("--width {} --height {} --samples {} --depth {} --sampler {} --seed {} --min-weight {} {}",
                      settings.width, settings.height, settings.samples, settings.depth, samplerName(settings.sampler),

@@ -9,6 +9,9 @@
 
 namespace turner {
 
+// "x0,y0,x1,y1", as --crop takes it.
+std::string cropText(const Window& crop);
+
 // The options that the picture depends on, as one would type them; the crop is the data window. `renderer` are the
 // options that say who renders.
 std::string optionsText(const RenderSettings& settings, const std::string& renderer);

@@ -18,8 +18,6 @@
 namespace turner {
 namespace {
 
-// An error of a quarter of the figure, were it not subtracted, would make that 3 % too large.
-constexpr double kConverged = 0.25;
 // rms error over n, for n x n samples: the power 3/4 of the number.
 constexpr double kPower = 1.5;
 
@@ -104,9 +102,7 @@ RenderPicture cached(const RenderPicture& render, const std::string& key) {
   if (root.empty()) return render;
   return [=](const RenderSettings& settings) {
     const Window& crop = settings.crop;
-    const std::string where = std::to_string(crop.x0) + ',' + std::to_string(crop.y0) + ',' + std::to_string(crop.x1) +
-                              ',' + std::to_string(crop.y1);
-    const std::string path = root + '/' + sha256Hex(key + '\n' + optionsText(settings, where)) + kSuffix;
+    const std::string path = root + '/' + sha256Hex(key + '\n' + optionsText(settings, cropText(crop))) + kSuffix;
     std::error_code ignored;
     if (std::filesystem::exists(path, ignored)) {
       try {

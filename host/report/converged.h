@@ -40,6 +40,10 @@ Converged converge(const RenderPicture& render, const RenderSettings& whole, int
 // Of the first attempt.
 double firstConvergedSamples(int n);
 
+// A picture is converged for others if its own error is at most this share of theirs: were it not subtracted, it would
+// make that 3 % too large.
+inline constexpr double kConverged = 0.25;
+
 // `rmse` against a picture with an error of its own: without that.
 double withoutOwnError(double rmse, double ownError);
 

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "picture/provenance.h"
+
 namespace turner {
 namespace {
 
@@ -165,7 +167,7 @@ void addPairs(const SweptScene& scene, const std::vector<Curve>& curves, std::ve
 // Which cut-offs are cheap: those that lose at most half as much as sampling does, the furthest of depth and of weight.
 void addCutOffs(const SweptScene& scene, std::vector<std::string>& sentences) {
   for (const bool depths : {true, false}) {
-    const Point *best = nullptr, *whole = nullptr;
+    const Point* best = nullptr;
     bool any = false;
     for (const Point& point : scene.points) {
       const bool isDepth = point.setting.depth != scene.whole.depth, isWeight = point.setting.minWeight > 0;
@@ -183,14 +185,12 @@ void addCutOffs(const SweptScene& scene, std::vector<std::string>& sentences) {
                                       depths ? "smaller depth" : "least weight"));
       continue;
     }
-    for (const Point& point : scene.points)
-      if (point.renderer == 0 && point.setting == uncut(best->setting, scene.whole)) whole = &point;
     const Setting& setting = best->setting;
     sentences.push_back(fmt::format(
         "{} loses {:.2g} rms (at {}x{} samples sampling loses {:.2g}) and takes {:.2g} of the time on {}.",
         depths ? fmt::format("A depth of {}", setting.depth) : fmt::format("A least weight of {}", setting.minWeight),
         best->cutOff.rmse, setting.samples, setting.samples, best->sampling.rmse,
-        best->medianSeconds() / whole->medianSeconds(), scene.renderers[0].name));
+        best->medianSeconds() / uncutPoint(scene, *best).medianSeconds(), scene.renderers[0].name));
   }
 }
 
@@ -210,8 +210,7 @@ void addArithmetic(const SweptScene& scene, std::vector<std::string>& sentences)
     const std::string& name = scene.renderers[renderer].name;
     sentences.push_back(
         fmt::format("Float32 arithmetic on {} costs an RMSE of at most {:.2g}, a bias of at most {:+.1g}, and puts at "
-                    "most {:.2g} % "
-                    "of a picture's pixels off by more than 0.001.",
+                    "most {:.2g} % of a picture's pixels off by more than 0.001.",
                     name, rmse, bias, 100 * bad));
     if (notFinite > 0)
       sentences.push_back(fmt::format("A picture by {} has {} pixels with a NaN or an infinity.", name, notFinite));
@@ -286,6 +285,18 @@ std::vector<size_t> paretoFront(const SweptScene& scene) {
   return front;
 }
 
+std::vector<bool> isOnFront(const SweptScene& scene) {
+  std::vector<bool> found(scene.points.size());
+  for (const size_t i : paretoFront(scene)) found[i] = true;
+  return found;
+}
+
+const Point& uncutPoint(const SweptScene& scene, const Point& point) {
+  const Setting whole = uncut(point.setting, scene.whole);
+  return *std::find_if(scene.points.begin(), scene.points.end(),
+                       [&](const Point& other) { return other.renderer == point.renderer && other.setting == whole; });
+}
+
 std::vector<Lead> leadsOf(const SweptScene& scene, const Curve& first, const Curve& second, Figure figure) {
   std::vector<Lead> leads;
   bool goesOn = false;  // whether the last lead reached the point before
@@ -296,8 +307,7 @@ std::vector<Lead> leadsOf(const SweptScene& scene, const Curve& first, const Cur
     const bool ofFirst = x < y;
     // Times must differ by more than they scatter, too.
     const auto [fast, slow] = ofFirst ? std::pair(&a, &b) : std::pair(&b, &a);
-    const bool apart = figure == Figure::rmse || *std::max_element(fast->seconds.begin(), fast->seconds.end()) <
-                                                     *std::min_element(slow->seconds.begin(), slow->seconds.end());
+    const bool apart = figure == Figure::rmse || fast->slowest() < slow->fastest();
     if (!apart || !(std::min(x, y) < (1 - kAlike) * std::max(x, y))) {
       goesOn = false;
       continue;
@@ -341,8 +351,7 @@ std::string renderCommand(const SweptScene& scene, const Point& point, const std
   const std::string path = scene.path.starts_with('-') ? "./" + scene.path : scene.path;
   std::string command = fmt::format("turner render {} -o {}-{}.exr --width {} --height {}", shellWord(path), scene.stem,
                                     point.name, whole.width, whole.height);
-  if (!(crop == Window{0, 0, whole.width, whole.height}))
-    command += fmt::format(" --crop {},{},{},{}", crop.x0, crop.y0, crop.x1, crop.y1);
+  if (!(crop == Window{0, 0, whole.width, whole.height})) command += " --crop " + cropText(crop);
   command += fmt::format(" --samples {} --sampler {} --seed 0 --depth {}", setting.samples,
                          samplerName(setting.sampler), setting.depth);
   if (setting.minWeight > 0) command += fmt::format(" --min-weight {}", setting.minWeight);

@@ -36,6 +36,11 @@ std::optional<double> logSlope(const std::vector<double>& x, const std::vector<d
 // The points than which none is both faster and less wrong, by time. Each is less wrong by a hundredth than the one
 // before.
 std::vector<size_t> paretoFront(const SweptScene& scene);
+// Of each point, whether it is one of them.
+std::vector<bool> isOnFront(const SweptScene& scene);
+
+// The point with the same samples on the same renderer from which nothing is cut off: every sweep has it.
+const Point& uncutPoint(const SweptScene& scene, const Point& point);
 
 // Two curves at the same samples: where one has the smaller figure, by more than a tenth, without a break.
 enum class Figure { rmse, seconds };

@@ -294,6 +294,14 @@ double Point::medianSeconds() const {
   return sorted.size() % 2 == 1 ? sorted[half] : (sorted[half - 1] + sorted[half]) / 2;
 }
 
+double Point::fastest() const {
+  return *std::min_element(seconds.begin(), seconds.end());
+}
+
+double Point::slowest() const {
+  return *std::max_element(seconds.begin(), seconds.end());
+}
+
 double Point::efficiency() const {
   return 1 / (rmse * rmse * medianSeconds());
 }

@@ -33,6 +33,8 @@ struct Point {
   Comparison arithmetic;    // the picture minus the reference of the rounded scene; none for the reference
 
   double medianSeconds() const;
+  double fastest() const;  // seconds
+  double slowest() const;
   double efficiency() const;  // 1 / (MSE * s)
 };
 

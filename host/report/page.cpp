@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <set>
 
 #include "picture/png.h"
 #include "report/chart.h"
@@ -93,11 +92,11 @@ std::string errorOverTime(const SweptScene& scene) {
   Chart chart{"RMSE over time of tracing", "time of tracing, seconds", "RMSE", {}, {}, "Pareto front", {}};
   chart.guides.assign(std::begin(kTargets), std::end(kTargets));
   const std::vector<size_t> front = paretoFront(scene);
-  const auto onFront = [&](size_t i) { return std::find(front.begin(), front.end(), i) != front.end(); };
+  const std::vector<bool> onFront = isOnFront(scene);
   for (const Curve& curve : curvesOf(scene)) {
     Series series = seriesOf(scene, curve);
     for (const size_t i : curve.points)
-      series.marks.push_back(markOf(scene, scene.points[i], scene.points[i].medianSeconds(), onFront(i)));
+      series.marks.push_back(markOf(scene, scene.points[i], scene.points[i].medianSeconds(), onFront[i]));
     chart.series.push_back(std::move(series));
   }
   for (const bool depths : {true, false})
@@ -107,7 +106,7 @@ std::string errorOverTime(const SweptScene& scene) {
         const Point& point = scene.points[i];
         const bool isDepth = point.setting.depth != scene.whole.depth, isWeight = point.setting.minWeight > 0;
         if (point.renderer == renderer && (depths ? isDepth : isWeight))
-          series.marks.push_back(markOf(scene, point, point.medianSeconds(), onFront(i)));
+          series.marks.push_back(markOf(scene, point, point.medianSeconds(), onFront[i]));
       }
       if (!series.marks.empty()) chart.series.push_back(std::move(series));
     }
@@ -255,14 +254,11 @@ class Page {
         "the time</th><th>rms cut off</th><th>largest</th><th>bias</th></tr></thead><tbody>\n",
         scene.whole.depth);
     for (const Point& point : scene.points) {
-      const Setting whole = uncut(point.setting, scene.whole);
-      if (point.setting == whole) continue;
-      const auto same = std::find_if(scene.points.begin(), scene.points.end(), [&](const Point& other) {
-        return other.renderer == point.renderer && other.setting == whole;
-      });
+      if (point.setting == uncut(point.setting, scene.whole)) continue;
       add("<tr><td>{}</td><td>{}</td><td>{:.2f}</td><td>{:.2e}</td><td>{:.2e}</td><td>{:+.2e}</td></tr>\n",
           escaped(pointInWords(scene, point)), timeInWords(point.medianSeconds()),
-          point.medianSeconds() / same->medianSeconds(), point.cutOff.rmse, point.cutOff.max, point.cutOff.meanSigned);
+          point.medianSeconds() / uncutPoint(scene, point).medianSeconds(), point.cutOff.rmse, point.cutOff.max,
+          point.cutOff.meanSigned);
     }
     add("</tbody></table></div>\n");
   }
@@ -298,14 +294,12 @@ class Page {
       add("<th scope='col'{}><button>{}</button></th>", column == std::string("to repeat it") ? " class='command'" : "",
           column);
     add("</tr></thead><tbody>\n");
-    const std::vector<size_t> front = paretoFront(scene);
+    const std::vector<bool> onFront = isOnFront(scene);
     for (size_t i = 0; i < scene.points.size(); ++i) {
       const Point& p = scene.points[i];
-      const bool onFront = std::find(front.begin(), front.end(), i) != front.end();
-      add("<tr class='{}' data-point='{}'><td>{}</td>", onFront ? "front" : "", escaped(p.name),
+      add("<tr class='{}' data-point='{}'><td>{}</td>", onFront[i] ? "front" : "", escaped(p.name),
           escaped(pointInWords(scene, p)));
-      const auto [least, most] = std::minmax_element(p.seconds.begin(), p.seconds.end());
-      for (const double seconds : {p.medianSeconds(), *least, *most})
+      for (const double seconds : {p.medianSeconds(), p.fastest(), p.slowest()})
         add("<td data-value='{}'>{}</td>", seconds, timeInWords(seconds));
       for (const double figure :
            {p.rmse, p.relRmse, p.sampling.rmse, p.cutOff.rmse, p.quantisation.rmse, p.arithmetic.rmse,

@@ -2,25 +2,20 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "json_text.h"
 #include "picture/figures_json.h"
+#include "picture/provenance.h"
 
 namespace turner {
 namespace {
 
-std::string cropText(const Window& crop) {
-  return fmt::format("{},{},{},{}", crop.x0, crop.y0, crop.x1, crop.y1);
-}
-
 void putSeconds(JsonText& json, const Point& point) {
-  const auto [least, most] = std::minmax_element(point.seconds.begin(), point.seconds.end());
   json.object("seconds", [&] {
     json.put("median", point.medianSeconds());
-    json.put("min", *least);
-    json.put("max", *most);
+    json.put("min", point.fastest());
+    json.put("max", point.slowest());
     json.array("repeats", [&] {
       for (const double seconds : point.seconds) json.put(seconds);
     });
@@ -79,7 +74,7 @@ void putCurve(JsonText& json, const SweptScene& scene, const Curve& curve) {
 }
 
 void putScene(JsonText& json, const Machine& machine, const SweptScene& scene) {
-  const std::vector<size_t> front = paretoFront(scene);
+  const std::vector<bool> onFront = isOnFront(scene);
   json.object([&] {
     json.put("scene", scene.path);
     json.put("sha256", scene.told.sources.empty() ? "" : scene.told.sources[0].sha256);
@@ -115,8 +110,7 @@ void putScene(JsonText& json, const Machine& machine, const SweptScene& scene) {
       for (const Curve& curve : curvesOf(scene)) putCurve(json, scene, curve);
     });
     json.array("points", [&] {
-      for (size_t i = 0; i < scene.points.size(); ++i)
-        putPoint(json, machine, scene, scene.points[i], std::find(front.begin(), front.end(), i) != front.end());
+      for (size_t i = 0; i < scene.points.size(); ++i) putPoint(json, machine, scene, scene.points[i], onFront[i]);
     });
   });
 }
@@ -158,17 +152,15 @@ std::string reportJson(const Machine& machine, const std::vector<SweptScene>& sc
 std::string reportCsv(const Machine& machine, const std::vector<SweptScene>& scenes) {
   std::string text =
       "scene,device,device_name,driver,sampler,samples,depth,min_weight,width,height,crop,seconds_median,seconds_min,"
-      "seconds_max,rmse,own_error,rel_rmse,mean_signed,p50,p99,p999,max,nan,inf,efficiency,pareto,sampling_rmse,cut_"
-      "off_rmse,"
-      "quantisation_rmse,arithmetic_rmse,arithmetic_p999,arithmetic_max,arithmetic_mean_signed,arithmetic_bad_pixels,"
+      "seconds_max,rmse,own_error,rel_rmse,mean_signed,p50,p99,p999,max,nan,inf,efficiency,pareto,sampling_rmse,"
+      "cut_off_rmse,quantisation_rmse,arithmetic_rmse,arithmetic_p999,arithmetic_max,arithmetic_mean_signed,arithmetic_"
+      "bad_pixels,"
       "command\n";
   for (const SweptScene& scene : scenes) {
-    const std::vector<size_t> front = paretoFront(scene);
+    const std::vector<bool> onFront = isOnFront(scene);
     for (size_t i = 0; i < scene.points.size(); ++i) {
       const Point& p = scene.points[i];
       const RendererInfo& renderer = scene.renderers[p.renderer];
-      const auto [least, most] = std::minmax_element(p.seconds.begin(), p.seconds.end());
-      const bool onFront = std::find(front.begin(), front.end(), i) != front.end();
       const std::vector<std::string> fields = {field(scene.path),
                                                field(renderer.name),
                                                field(renderer.device),
@@ -181,8 +173,8 @@ std::string reportCsv(const Machine& machine, const std::vector<SweptScene>& sce
                                                std::to_string(scene.whole.height),
                                                field(cropText(scene.whole.crop)),
                                                field(p.medianSeconds()),
-                                               field(*least),
-                                               field(*most),
+                                               field(p.fastest()),
+                                               field(p.slowest()),
                                                field(p.rmse),
                                                field(scene.converged.ownError),
                                                field(p.relRmse),
@@ -194,7 +186,7 @@ std::string reportCsv(const Machine& machine, const std::vector<SweptScene>& sce
                                                std::to_string(p.total.nan),
                                                std::to_string(p.total.inf),
                                                field(p.efficiency()),
-                                               onFront ? "1" : "0",
+                                               onFront[i] ? "1" : "0",
                                                field(p.sampling.rmse),
                                                field(p.cutOff.rmse),
                                                field(p.quantisation.rmse),

@@ -78,17 +78,8 @@ vk::raii::DescriptorSetLayout makeSetLayout(const Device& device, Fetch fetch) {
   return {device.vulkan(), vk::DescriptorSetLayoutCreateInfo({}, bindings)};
 }
 
-uint samplerNumber(Sampler sampler) {
-  switch (sampler) {
-    case Sampler::grid:
-      return gpu::kGrid;
-    case Sampler::jitter:
-      return gpu::kJitter;
-    case Sampler::sobol:
-      return gpu::kSobol;
-  }
-  return gpu::kGrid;
-}
+static_assert(uint(Sampler::grid) == gpu::kGrid && uint(Sampler::jitter) == gpu::kJitter &&
+              uint(Sampler::sobol) == gpu::kSobol);
 
 // The prime factors of n <= 256, ascending, in bytes: there are at most eight.
 std::array<uint, 2> packedRadices(uint n) {
@@ -114,7 +105,7 @@ Pipeline makePipeline(const Device& device, const Spirv& kernel, const Features&
   constants[gpu::kSpecReflection] = features.reflection && settings.depth > 1;
   constants[gpu::kSpecRefraction] = features.refraction && settings.depth > 1;
   constants[gpu::kSpecFalloff] = features.falloff;
-  constants[gpu::kSpecSampler] = samplerNumber(settings.sampler);
+  constants[gpu::kSpecSampler] = uint(settings.sampler);
   if (settings.sampler == Sampler::sobol) {
     const std::array<uint, 2> radices = packedRadices(uint(settings.samples));
     constants[gpu::kSpecRadicesLow] = radices[0];
