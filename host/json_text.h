@@ -5,7 +5,9 @@
 #include <rapidjson/stringbuffer.h>
 
 #include <cmath>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <type_traits>
 
 namespace turner {
@@ -41,6 +43,15 @@ class JsonText {
     writer_.Key(key);
     put(value);
   }
+  template <class Value>
+  void put(const char* key, const std::optional<Value>& value) {
+    writer_.Key(key);
+    value ? put(*value) : void(writer_.Null());
+  }
+  void putNull(const char* key) {
+    writer_.Key(key);
+    writer_.Null();
+  }
   // JSON knows neither NaN nor infinity: they become null.
   template <class Value>
   void put(const Value& value) {
@@ -56,6 +67,16 @@ class JsonText {
       writer_.String(std::string(value).c_str());
   }
   std::string text() const { return std::string(buffer_.GetString()) + '\n'; }
+  // The same without line breaks and indentation. Inside strings there is none: they have \n for it.
+  std::string oneLine() const {
+    std::string line;
+    bool indented = false;
+    for (const char c : std::string_view(buffer_.GetString(), buffer_.GetSize())) {
+      indented = c == '\n' || (indented && c == ' ');
+      if (!indented) line += c;
+    }
+    return line + '\n';
+  }
 
  private:
   rapidjson::StringBuffer buffer_;

@@ -32,10 +32,14 @@ int run(int argc, char** argv) {
       return runRender(line.render);
     case CommandKind::compare:
       return runCompare(line.compare, line.render);
+    case CommandKind::watch:
+      runWatch(line.watch, line.render);
     case CommandKind::report:
       return runReport(line.report);
     case CommandKind::devices:
       return runDevices(line.devicesAsJson);
+    case CommandKind::shaders:
+      return copyShaders(line.copyShadersTo);
     case CommandKind::printed:
       break;
   }

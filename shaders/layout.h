@@ -126,7 +126,7 @@ struct Tile {
   uint slots;          // invocations that the tile has state for: its 8x8 blocks times 64
   uint firstGroup;     // work-groups that came before this dispatch
   uint groups;         // work-groups of this dispatch
-  uint unused;
+  uint stride;         // pixels from one of the tile's to the next, across and down: 1, or more for a coarse picture
 };
 
 // A node of the tree: two children with their boxes (Aila and Laine 2009 keep both in the parent), each plane in a
@@ -205,6 +205,9 @@ TURNER_CONST kVertexNormalsRows = 3u;
 TURNER_CONST kMaterialDiffuse = 0u, kMaterialSpecular = 1u, kMaterialOther = 2u, kMaterialRows = 3u;
 TURNER_CONST kLightPosition = 0u, kLightColor = 1u, kLightRows = 2u;
 TURNER_CONST kCubeRows = 6u;
+
+// The fourth word of a pixel that is finished; other values say where its work stands (whitted.comp).
+TURNER_CONST kPixelDone = 5u;
 
 // What the host reads after a dispatch.
 struct Status {

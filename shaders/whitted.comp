@@ -38,12 +38,12 @@ Row raysSpawned, nodesVisited, primitivesVisited;
 #include "state.glsl"
 
 // Where an invocation stands.
-const uint kNextSample = 0u;   // no ray in hand and none waiting; zero, so that cleared state is a fresh pixel
-const uint kTrace = 1u;        // the ray in hand looks for its nearest hit
-const uint kNextLight = 2u;    // the hit is known; next is a light
-const uint kTraceShadow = 3u;  // a shadow ray of the hit is on its way to that light
-const uint kNextRay = 4u;      // the ray in hand is done with
-const uint kDone = 5u;         // the pixel is finished
+const uint kNextSample = 0u;    // no ray in hand and none waiting; zero, so that cleared state is a fresh pixel
+const uint kTrace = 1u;         // the ray in hand looks for its nearest hit
+const uint kNextLight = 2u;     // the hit is known; next is a light
+const uint kTraceShadow = 3u;   // a shadow ray of the hit is on its way to that light
+const uint kNextRay = 4u;       // the ray in hand is done with
+const uint kDone = kPixelDone;  // the pixel is finished
 
 // The even bits of an index: half of a Morton code.
 uint evenBits(uint i) {
@@ -244,7 +244,7 @@ void main() {
   bool exists = slot < tile.slots;  // some slots have no pixel: the tile's last blocks reach beyond it
   bool mine = exists && inTile.x < tile.width && inTile.y < tile.height;
   slot = min(slot, tile.slots - 1u);
-  uvec2 pixel = uvec2(tile.x0, tile.y0) + inTile;
+  uvec2 pixel = uvec2(tile.x0, tile.y0) + tile.stride * inTile;
 
   // Take up the work where the last dispatch left it.
   uint at = inTile.y * tile.width + inTile.x;

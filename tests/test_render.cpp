@@ -83,6 +83,47 @@ TEST(Render, CropIsThatPartOfThePicture) {
   }
 }
 
+TEST(Render, CoarsePictureHasPixelsOfTheFullOne) {
+  const Scene scene = ours("spheres");
+  RenderSettings settings = settingsOf(scene, 101, 59, 2);
+  settings.sampler = Sampler::jitter;
+  settings.crop = {3, 5, 98, 58};
+  const Image full = renderShader(scene, settings);
+  const auto pixel = [&](const Image& image, int x, int y) {
+    const size_t at = 3 * (size_t(y) * size_t(full.window.width()) + size_t(x));
+    return std::vector<float>(image.rgb.begin() + std::ptrdiff_t(at), image.rgb.begin() + std::ptrdiff_t(at + 3));
+  };
+  for (const int stride : {1, 8, 7, 200}) {
+    const Image coarse = test::renderer().renderCoarse(test::kernel(), settings, stride, {}, {.tile = 8}).image;
+    ASSERT_EQ(coarse.window, full.window);
+    ASSERT_EQ(coarse.width, full.width);
+    const auto nearest = [&](int at, int size) {
+      return std::min((at + stride / 2) / stride, (size - 1) / stride) * stride;
+    };
+    int wrong = 0;
+    for (int y = 0; y < full.window.height(); ++y)
+      for (int x = 0; x < full.window.width(); ++x)
+        wrong += pixel(coarse, x, y) != pixel(full, nearest(x, full.window.width()), nearest(y, full.window.height()));
+    EXPECT_EQ(wrong, 0) << "stride " << stride;
+  }
+}
+
+TEST(Render, KernelsInTurnKeepTheirOwnPictures) {
+  const Scene scene = ours("spheres");
+  const RenderSettings settings = settingsOf(scene, 48, 27);
+  const Image expected = renderShader(scene, settings);
+  std::vector<ShaderSource> sources = readShaderSources(TURNER_SHADERS_DIR "/whitted.comp");
+  std::string& text = *sources[0].text;
+  const std::string factor = "weight * localWeight(material)";
+  ASSERT_NE(text.find(factor), std::string::npos);
+  text.replace(text.find(factor), factor.size(), "0.0 * " + factor);
+  const Spirv dark = compileGlsl(sources, fetchPreamble(test::renderer().fetch()));
+  for (int turn = 0; turn < 3; ++turn) {
+    EXPECT_FALSE(sameBits(test::renderer().render(dark, settings).image, expected)) << turn;
+    EXPECT_TRUE(sameBits(test::renderer().render(test::kernel(), settings).image, expected)) << turn;
+  }
+}
+
 TEST(Render, DoesNotDependOnTheTree) {
   for (const char* name : {"spot", "nested_glass"}) {
     const Scene scene = ours(name);

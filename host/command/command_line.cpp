@@ -42,15 +42,17 @@ void addInteger(CLI::App& command, const std::string& name, Integer& value, long
 }
 
 template <class Real>
-void addNumber(CLI::App& command, const std::string& name, Real& value, double most, const std::string& text) {
+void addNumber(CLI::App& command, const std::string& name, Real& value, double most, const std::string& text,
+               double least = 0) {
   command
       .add_option_function<std::string>(
           name,
-          [name, &value, most](const std::string& found) {
+          [name, &value, most, least](const std::string& found) {
             double number = 0;
-            if (parseNumber(found, number) != NumberFault::none || number < 0 || number > most)
+            if (parseNumber(found, number) != NumberFault::none || number < least || number > most)
               refuse(name, found,
-                     most < INFINITY ? fmt::format("a number from 0 to {:g}", most) : "a number of at least 0");
+                     most < INFINITY ? fmt::format("a number from {:g} to {:g}", least, most)
+                                     : fmt::format("a number of at least {:g}", least));
             value = Real(number);
           },
           text)
@@ -125,15 +127,19 @@ void addRenderOptions(CLI::App& command, RenderOptions& options) {
              "Invocations in a work-group, rounded up to whole subgroups; never changes the picture (default: 64)");
 }
 
-void addRender(CLI::App& app, RenderOptions& options) {
-  CLI::App* command = app.add_subcommand("render", "Render a scene into EXR and PNG files");
-  command->add_option("SCENE", options.scene, "A .json or .nff scene")->required();
+void addSceneAndOutputs(CLI::App& command, RenderOptions& options) {
+  command.add_option("SCENE", options.scene, "A .json or .nff scene")->required();
   command
-      ->add_option("-o,--output", options.outputs, "File to write, .exr or .png; may be repeated (default: SCENE.exr)")
+      .add_option("-o,--output", options.outputs, "File to write, .exr or .png; may be repeated (default: SCENE.exr)")
       ->expected(1)
       ->allow_extra_args(false)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
       ->type_name("FILE");
+}
+
+void addRender(CLI::App& app, RenderOptions& options) {
+  CLI::App* command = app.add_subcommand("render", "Render a scene into EXR and PNG files");
+  addSceneAndOutputs(*command, options);
   addChoice<Backend>(*command, "--backend", options.backend,
                      {{"shader", Backend::shader}, {"reference", Backend::reference}},
                      "Who renders: the shader, or the reference in double precision (default: shader)");
@@ -161,6 +167,23 @@ void addCompare(CLI::App& app, CompareOptions& options, RenderOptions& render) {
                     "Of a scene: how many of the pixels off by more than 1e-5 lie where the reference does with eye "
                     "rays off by 4 ulp");
   addRenderOptions(*command, render);
+}
+
+void addWatch(CLI::App& app, WatchOptions& options, RenderOptions& render) {
+  CLI::App* command = app.add_subcommand(
+      "watch", "Render a scene again whenever its files or the shaders change, and tell what the change did");
+  addSceneAndOutputs(*command, render);
+  addText(*command, "--keep", options.keep, "DIR", "Keep every version there: its sources, its picture, its figures");
+  // Beyond this the device itself is given up.
+  addNumber(*command, "--timeout", options.timeout, 100,
+            "Seconds that a piece of a picture may take before it is called an endless loop (default: 10)", 0.1);
+  command->add_flag("--json", options.json, "Print what happens as JSON, one object on a line");
+  addRenderOptions(*command, render);
+}
+
+void addShaders(CLI::App& app, std::string& copyTo) {
+  CLI::App* command = app.add_subcommand("shaders", "Copy the kernel's sources, to edit them");
+  addText(*command, "--copy", copyTo, "DIR", "Folder for the copy; it must be new or empty");
 }
 
 void addReport(CLI::App& app, ReportOptions& options) {
@@ -205,7 +228,8 @@ std::string didYouMean(const std::string& word, const std::vector<std::string>& 
 void checkFirstWord(const CLI::App& app, int argc, char** argv) {
   std::vector<std::string> known = {"--help", "--version"};
   for (const CLI::App* command : app.get_subcommands({})) known.push_back(command->get_name());
-  if (argc < 2) throw InputError("name a command: render, compare, report or devices; turner --help tells more");
+  if (argc < 2)
+    throw InputError("name a command: render, compare, watch, report, devices or shaders; turner --help tells more");
   const std::string word = argv[1];
   if (word == "-h" || std::find(known.begin(), known.end(), word) != known.end()) return;
   throw InputError(fmt::format("unknown {} '{}'; {}", word.starts_with('-') ? "argument" : "command", word,
@@ -232,9 +256,11 @@ CommandLine parseCommandLine(int argc, char** argv) {
   app.require_subcommand(1);
   addRender(app, line.render);
   addCompare(app, line.compare, line.render);
+  addWatch(app, line.watch, line.render);
   addReport(app, line.report);
   CLI::App* devices = app.add_subcommand("devices", "List the Vulkan devices");
   devices->add_flag("--json", line.devicesAsJson, "Print as JSON");
+  addShaders(app, line.copyShadersTo);
 
   checkFirstWord(app, argc, argv);
   try {
@@ -254,8 +280,12 @@ CommandLine parseCommandLine(int argc, char** argv) {
 
   if (app.got_subcommand("render")) line.kind = CommandKind::render;
   if (app.got_subcommand("compare")) line.kind = CommandKind::compare;
+  if (app.got_subcommand("watch")) line.kind = CommandKind::watch;
+  if (app.got_subcommand("shaders")) line.kind = CommandKind::shaders;
   if (app.got_subcommand("report")) line.kind = CommandKind::report;
   if (app.got_subcommand("devices")) line.kind = CommandKind::devices;
+  if (line.kind == CommandKind::shaders && line.copyShadersTo.empty())
+    throw InputError("name the folder for the copy: turner shaders --copy DIR");
   const CompareOptions& compare = line.compare;
   if (compare.files.size() == 1) line.render.scene = compare.files[0];
   if (compare.files.size() == 2 && (compare.decompose || compare.envelope))

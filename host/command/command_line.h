@@ -12,11 +12,11 @@
 
 namespace turner {
 
-enum class CommandKind { render, compare, report, devices, printed };
+enum class CommandKind { render, compare, watch, report, devices, shaders, printed };
 enum class Backend { shader, reference };
 enum class Geometry { exact, rounded };
 
-// What `render` takes, and `compare SCENE` too. Empty: the scene's value.
+// What `render` takes, and `compare SCENE` and `watch` too. Empty: the scene's value.
 struct RenderOptions {
   std::string scene;
   std::vector<std::string> outputs;
@@ -43,6 +43,13 @@ struct CompareOptions {
   bool decompose = false, envelope = false;  // of a scene only
 };
 
+// What `watch` takes beside what `render` does.
+struct WatchOptions {
+  std::string keep;     // a folder; empty: versions are not kept
+  double timeout = 10;  // seconds
+  bool json = false;
+};
+
 struct ReportOptions {
   std::vector<std::string> scenes;
   std::string output = "report";  // a folder
@@ -57,8 +64,10 @@ struct CommandLine {
   CommandKind kind = CommandKind::printed;  // printed: help or version, already shown
   RenderOptions render;
   CompareOptions compare;
+  WatchOptions watch;
   ReportOptions report;
   bool devicesAsJson = false;
+  std::string copyShadersTo;  // a folder
 };
 
 // Throws InputError with one clear message; prints help and version itself.

@@ -4,15 +4,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-
-#include <chrono>
-#include <cstdlib>
 #include <filesystem>
 #include <optional>
 
 #include "command/data_folder.h"
 #include "command/decompose.h"
+#include "command/device_choice.h"
 #include "command/interrupt.h"
+#include "command/outputs.h"
 #include "command/progress_line.h"
 #include "command/stats.h"
 #include "errors.h"
@@ -28,69 +27,10 @@
 #include "shader/prepare.h"
 #include "shader/render.h"
 #include "shader/round_scene.h"
+#include "stopwatch.h"
 
 namespace turner {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-// The seconds since the last call, or since this stopwatch was made.
-class Stopwatch {
- public:
-  double lap() {
-    const Clock::time_point now = Clock::now();
-    const double seconds = std::chrono::duration<double>(now - last_).count();
-    last_ = now;
-    return seconds;
-  }
-
- private:
-  Clock::time_point last_ = Clock::now();
-};
-
-// Looks at every output before any work is done for it.
-void checkOutput(const std::string& path, bool mayBePng) {
-  const std::string extension = lowerExtension(path);
-  if (extension != ".exr" && !(mayBePng && extension == ".png"))
-    throw InputError("cannot write '" + path + "': its name must end in .exr" + (mayBePng ? " or .png" : ""));
-  checkWritable(path);
-}
-
-// The file that a name stands for, symbolic links followed.
-std::filesystem::path realFile(const std::string& path) {
-  std::error_code error;
-  const std::filesystem::path real = std::filesystem::weakly_canonical(path, error);
-  if (error) throw InputError("cannot find out where '" + path + "' is: " + error.message());
-  return real;
-}
-
-// Two outputs of one name would leave only the last.
-void refuseRepeated(const std::vector<std::string>& outputs) {
-  for (size_t i = 0; i < outputs.size(); ++i)
-    for (size_t j = 0; j < i; ++j)
-      if (realFile(outputs[i]) == realFile(outputs[j]))
-        throw InputError("the output " + outputs[i] + " is named twice");
-}
-
-// An output in the place of an input would destroy it.
-void refuseOverwriting(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs) {
-  for (const std::string& output : outputs)
-    for (const std::string& input : inputs)
-      if (realFile(output) == realFile(input))
-        throw InputError("the output " + output + " is an input; name another file");
-}
-
-// The scene's file and its meshes, which stand beside it or below.
-std::vector<std::string> filesOf(const Scene& scene, const std::string& path) {
-  std::vector<std::string> files = {path};
-  for (size_t i = 1; i < scene.sources.size(); ++i)
-    files.push_back((std::filesystem::path(path).parent_path() / scene.sources[i].path).string());
-  return files;
-}
-
-void writePicture(const std::string& path, const Image& image, const Provenance& provenance) {
-  writeWholeFile(path, lowerExtension(path) == ".png" ? encodePng(image) : encodeExr(image, provenance));
-}
 
 Scene loadAndTell(const RenderOptions& options) {
   const std::string path = findScene(options.scene);
@@ -113,14 +53,6 @@ struct Rendered {
   Stats stats;
 };
 
-DeviceInfo chooseDeviceFor(const RenderOptions& options) {
-  const char* environment = std::getenv("TURNER_DEVICE");
-  const DeviceInfo device = chooseDevice(listDevices(), !options.device.empty() ? options.device
-                                                        : environment           ? environment
-                                                                                : "");
-  return device;
-}
-
 // What is told of a scene when its geometry has gone into the renderer.
 Scene withoutGeometry(const Scene& scene) {
   Scene rest;
@@ -135,7 +67,7 @@ class UploadedScene {
  public:
   UploadedScene(Scene scene, const RenderSettings& settings, const RenderOptions& options)
       : quiet_(options.quiet),
-        device_(chooseDeviceFor(options)),
+        device_(chooseDeviceFor(options.device)),
         renderer_(device_, options.fetch),
         dispatching_{.tile = options.tile, .workGroup = options.workGroup} {
     stats_.backend = "shader";
@@ -309,7 +241,7 @@ int runRender(const RenderOptions& options) {
   Stopwatch total, watch;
   if (options.scene.empty()) throw InputError("the name of the scene is empty");
   std::vector<std::string> outputs = options.outputs;
-  if (outputs.empty()) outputs = {std::filesystem::path(options.scene).stem().string() + ".exr"};
+  if (outputs.empty()) outputs = {defaultOutput(options.scene)};
   for (const std::string& output : outputs) checkOutput(output, true);
   std::vector<std::string> files = outputs;
   if (!options.stats.empty()) {

@@ -19,9 +19,9 @@
 
 #include "errors.h"
 #include "picture/cache_folder.h"
-#include "scene/text_file.h"
 #include "shader/shader_sources.h"
 #include "shader/spirv_cache.h"
+#include "stopwatch.h"
 
 namespace turner {
 namespace {
@@ -88,7 +88,7 @@ class FileIncluder : public glslang::TShader::Includer {
     const auto found = std::find_if(sources_.begin(), sources_.end(),
                                     [&](const ShaderSource& source) { return source.path == path && source.text; });
     const auto number = uint32_t(found - sources_.begin());
-    if (found == sources_.end()) sources_.push_back({"", path, readTextFile(path)});
+    if (found == sources_.end()) sources_.push_back({"", path, readSource(path)});
     if (std::find(filesRead_.begin(), filesRead_.end(), number) == filesRead_.end()) filesRead_.push_back(number);
     return *sources_[number].text;
   }
@@ -141,14 +141,15 @@ std::vector<uint32_t> optimise(const std::vector<uint32_t>& words, const std::st
   return optimised;
 }
 
-// The words, and which of the includer's sources went into them.
-CachedSpirv compile(const std::vector<ShaderSource>& sources, FileIncluder& includer, const std::string& preamble) {
+// The words and the times.
+Spirv compile(const std::vector<ShaderSource>& sources, FileIncluder& includer, const std::string& preamble) {
   static const GlslangProcess process;
   const std::string& path = sources[0].path;
   const char* text = sources[0].text->data();
   const int length = int(sources[0].text->size());
   const char* name = path.c_str();
 
+  Stopwatch watch;
   glslang::TShader shader(EShLangCompute);
   shader.setStringsWithLengthsAndNames(&text, &length, &name, 1);
   shader.setPreamble(preamble.c_str());
@@ -165,32 +166,38 @@ CachedSpirv compile(const std::vector<ShaderSource>& sources, FileIncluder& incl
   options.disableOptimizer = true;  // Debian's glslang is built without
   std::vector<uint32_t> words;
   glslang::GlslangToSpv(*program.getIntermediate(EShLangCompute), words, &options);
-  CachedSpirv compiled;
-  compiled.words = optimise(words, path);
-  compiled.files = includer.filesRead();
-  return compiled;
+  Spirv spirv;
+  spirv.glslangSeconds = watch.lap();
+  spirv.words = optimise(words, path);
+  spirv.optimiserSeconds = watch.lap();
+  return spirv;
 }
 
 }  // namespace
 
 Spirv compileGlsl(const std::string& path, const std::string& preamble) {
-  const std::vector<ShaderSource> sources = readShaderSources(path);
+  return compileGlsl(readShaderSources(path), preamble);
+}
+
+Spirv compileGlsl(const std::vector<ShaderSource>& sources, const std::string& preamble) {
   const auto areSources = [&](const std::vector<uint32_t>& numbers) {
     return std::all_of(numbers.begin(), numbers.end(), [&](uint32_t number) { return number < sources.size(); });
   };
   const std::string folder = cacheFolder();
   const std::string key = spirvKey(versionAndOptions() + '\n' + preamble, sources);
   FileIncluder includer(sources);
-  std::optional<CachedSpirv> compiled = findCached(folder, key);
-  if (!compiled || !areSources(compiled->files)) {
-    compiled = compile(sources, includer, preamble);
-    // A shader that read more than the key knows cannot be found by it.
-    if (areSources(compiled->files)) keepCached(folder, key, *compiled);
-  }
-
   Spirv spirv;
-  for (const uint32_t number : compiled->files) spirv.files.push_back(includer.source(number).path);
-  spirv.words = std::move(compiled->words);
+  std::vector<uint32_t> files;
+  if (std::optional<CachedSpirv> found = findCached(folder, key); found && areSources(found->files)) {
+    spirv.words = std::move(found->words);
+    files = std::move(found->files);
+  } else {
+    spirv = compile(sources, includer, preamble);
+    files = includer.filesRead();
+    // A shader that read more than the key knows cannot be found by it.
+    if (areSources(files)) keepCached(folder, key, {spirv.words, files});
+  }
+  for (const uint32_t number : files) spirv.files.push_back(includer.source(number).path);
   return spirv;
 }
 

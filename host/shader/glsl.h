@@ -5,11 +5,14 @@
 #include <string>
 #include <vector>
 
+#include "shader/shader_sources.h"
+
 namespace turner {
 
 struct Spirv {
   std::vector<uint32_t> words;
-  std::vector<std::string> files;  // read on the way: the shader first, then its includes in order
+  std::vector<std::string> files;                   // read on the way: the shader first, then its includes in order
+  double glslangSeconds = 0, optimiserSeconds = 0;  // 0 where it was compiled before
 };
 
 // Compiles a compute shader for Vulkan 1.2; #include "..." is looked for beside the including file. `preamble` is read
@@ -17,5 +20,7 @@ struct Spirv {
 // What compiles is kept in the user's cache folder (spirv_cache.h) and found there as long as no file has changed.
 // Throws InputError with the compiler's first error as "file:line: error: ...".
 Spirv compileGlsl(const std::string& path, const std::string& preamble = {});
+// The same of sources that were read before; files that are missing there are looked for on the disk.
+Spirv compileGlsl(const std::vector<ShaderSource>& sources, const std::string& preamble = {});
 
 }  // namespace turner

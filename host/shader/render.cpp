@@ -4,22 +4,18 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <chrono>
 #include <cstring>
+#include <list>
 #include <thread>
 
 #include "errors.h"
 #include "shader/gpu.h"
+#include "stopwatch.h"
 
 namespace turner {
 namespace {
 
 using gpu::uint;
-using Clock = std::chrono::steady_clock;
-
-double secondsSince(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 // A dispatch should take about this long: below any watchdog (2 s on Windows, 5 s and more on Linux) and short enough
 // for progress and Ctrl-C, long enough to be worth its submission.
@@ -53,8 +49,13 @@ void copy(const vk::raii::CommandBuffer& commands, const Buffer& from, vk::Devic
   commands.copyBuffer(**from.buffer, **to.buffer, vk::BufferCopy(offset, 0, size));
 }
 
+// Values of the specialisation constants, by their ids.
+using Constants = std::array<uint, gpu::kSpecCount>;
+
 // The kernel, specialised to a scene and its settings.
 struct Pipeline {
+  std::vector<uint32_t> words;
+  Constants constants;
   vk::raii::DescriptorSetLayout setLayout;
   vk::raii::PipelineLayout layout;
   vk::raii::Pipeline pipeline;
@@ -90,10 +91,10 @@ std::array<uint, 2> packedRadices(uint n) {
   return words;
 }
 
-Pipeline makePipeline(const Device& device, const Spirv& kernel, const Features& features,
-                      const RenderSettings& settings, Fetch fetch, uint workGroup, uint budget, bool counters,
-                      bool fresh) {
-  std::array<uint, gpu::kSpecCount> constants{};
+// What a scene, its settings and the device ask of a kernel.
+Constants specialise(const Features& features, const RenderSettings& settings, uint workGroup, uint budget,
+                     bool counters, bool fresh) {
+  Constants constants{};
   constants[gpu::kSpecWorkGroup] = workGroup;
   constants[gpu::kSpecDepth] = uint(settings.depth);
   constants[gpu::kSpecSamples] = uint(settings.samples);
@@ -119,12 +120,16 @@ Pipeline makePipeline(const Device& device, const Spirv& kernel, const Features&
   constants[gpu::kSpecNearSpheres] = features.nearSpheres;
   constants[gpu::kSpecFarSpheres] = features.farSpheres;
   constants[gpu::kSpecSolids] = features.solids;
-  std::array<vk::SpecializationMapEntry, constants.size()> entries;
+  return constants;
+}
+
+Pipeline makePipeline(const Device& device, const Spirv& kernel, const Constants& constants, Fetch fetch) {
+  std::array<vk::SpecializationMapEntry, gpu::kSpecCount> entries;
   for (uint i = 0; i < entries.size(); ++i)
     entries[i] = vk::SpecializationMapEntry(i, uint(i * sizeof(uint)), sizeof(uint));
   const vk::SpecializationInfo specialization(uint(entries.size()), entries.data(), sizeof constants, constants.data());
 
-  Pipeline result{makeSetLayout(device, fetch), nullptr, nullptr};
+  Pipeline result{kernel.words, constants, makeSetLayout(device, fetch), nullptr, nullptr};
   const vk::PushConstantRange tile(vk::ShaderStageFlagBits::eCompute, 0, sizeof(gpu::Tile));
   result.layout = {device.vulkan(), vk::PipelineLayoutCreateInfo({}, *result.setLayout, tile)};
   const vk::raii::ShaderModule module(device.vulkan(), vk::ShaderModuleCreateInfo({}, kernel.words));
@@ -132,21 +137,33 @@ Pipeline makePipeline(const Device& device, const Spirv& kernel, const Features&
                                                 &specialization);
   result.pipeline = {device.vulkan(), nullptr, vk::ComputePipelineCreateInfo({}, stage, *result.layout)};
   device.name(module, "whitted.comp");
-  device.name(result.pipeline, std::string("whitted") + (fresh ? "" : ", resumed") + (counters ? ", counting" : ""));
+  device.name(result.pipeline, std::string("whitted") + (constants[gpu::kSpecFresh] ? "" : ", resumed") +
+                                   (constants[gpu::kSpecCounters] ? ", counting" : ""));
   throwIfInvalid();
   return result;
 }
 
+// Most pipelines that are kept for later renders: of the kernel in hand and of one to compare it with, each to begin
+// and to take up work, and those that count.
+constexpr size_t kKeptPipelines = 8;
+
+// Those pixels of a crop that are `stride` apart, as a crop of the picture that they make by themselves.
+Window everyStride(const Window& crop, int stride) {
+  return {0, 0, (crop.width() + stride - 1) / stride, (crop.height() + stride - 1) / stride};
+}
+
 // The tiles of a crop, left to right, top to bottom, each with state for its 8x8 blocks.
-std::vector<gpu::Tile> cutIntoTiles(const Window& crop, int side) {
+std::vector<gpu::Tile> cutIntoTiles(const Window& crop, int stride, int side) {
+  const Window grid = everyStride(crop, stride);
   std::vector<gpu::Tile> tiles;
-  for (int y = crop.y0; y < crop.y1; y += side) {
-    for (int x = crop.x0; x < crop.x1; x += side) {
+  for (int y = 0; y < grid.y1; y += side) {
+    for (int x = 0; x < grid.x1; x += side) {
       gpu::Tile tile{};
-      tile.x0 = uint(x);
-      tile.y0 = uint(y);
-      tile.width = uint(std::min(side, crop.x1 - x));
-      tile.height = uint(std::min(side, crop.y1 - y));
+      tile.x0 = uint(crop.x0 + stride * x);
+      tile.y0 = uint(crop.y0 + stride * y);
+      tile.stride = uint(stride);
+      tile.width = uint(std::min(side, grid.x1 - x));
+      tile.height = uint(std::min(side, grid.y1 - y));
       tile.slots = ((tile.width + 7) / 8) * ((tile.height + 7) / 8) * 64;
       tiles.push_back(tile);
     }
@@ -178,7 +195,8 @@ struct ShaderRenderer::Parts {
   Fetch fetch;
   Features features;
   View view;
-  std::array<Buffer, kRowArrays> rows;  // from gpu::kBindNodes on
+  std::array<Buffer, kRowArrays> rows;                   // from gpu::kBindNodes on
+  std::list<std::shared_ptr<const Pipeline>> pipelines;  // the last that were used, latest first
   // Work-groups in one dispatch: follows the measured times, from one tile to the next.
   uint groupsPerDispatch = 64;
 
@@ -199,8 +217,23 @@ struct ShaderRenderer::Parts {
     return device.isCpu() ? gpu::kIterations / device.subgroupSize() : gpu::kIterations;
   }
 
+  std::shared_ptr<const Pipeline> pipeline(const Spirv& kernel, const Constants& constants);
+
   struct Passes;
 };
+
+// Kept or new.
+std::shared_ptr<const Pipeline> ShaderRenderer::Parts::pipeline(const Spirv& kernel, const Constants& constants) {
+  const auto found = std::find_if(pipelines.begin(), pipelines.end(), [&](const auto& kept) {
+    return kept->constants == constants && kept->words == kernel.words;
+  });
+  if (found != pipelines.end())
+    pipelines.splice(pipelines.begin(), pipelines, found);
+  else
+    pipelines.push_front(std::make_shared<const Pipeline>(makePipeline(device, kernel, constants, fetch)));
+  if (pipelines.size() > kKeptPipelines) pipelines.pop_back();
+  return pipelines.front();
+}
 
 // One traversal of all tiles with one pipeline.
 struct ShaderRenderer::Parts::Passes {
@@ -211,24 +244,26 @@ struct ShaderRenderer::Parts::Passes {
   const Dispatching& dispatching;
   bool counters;
   uint workGroup, samplesInPixel;
-  Pipeline fresh;                   // of the first pass over a tile
-  std::optional<Pipeline> resumed;  // of those that take up its work; made when it is first needed
+  std::shared_ptr<const Pipeline> fresh;    // of the first pass over a tile
+  std::shared_ptr<const Pipeline> resumed;  // of those that take up its work; made when it is first needed
   Buffer frame, state, pixels, status, hostPixels, hostStatus;
   std::optional<vk::raii::DescriptorPool> pool;
   std::optional<vk::raii::DescriptorSet> set;
   std::vector<gpu::Tile> tiles;
   double traceSeconds = 0, resumedCompileSeconds = 0;
 
-  Passes(Parts& parts, const Spirv& kernel, const RenderSettings& settings, const Dispatching& dispatching,
+  Passes(Parts& parts, const Spirv& kernel, const RenderSettings& settings, const Dispatching& dispatching, int stride,
          bool counters);
   void warmUp(const Pipeline& pipeline);
   void traceTile(gpu::Tile tile, const Progress& progress);
+  void readPixels(const gpu::Tile& tile) const;
+  const gpu::Row& pixel(size_t i) const { return reinterpret_cast<const gpu::Row*>(hostPixels.mapped)[i]; }
 
  private:
   void bind();
-  Pipeline make(bool isFresh) const {
-    return makePipeline(device, kernel, parts.features, settings, parts.fetch, workGroup, parts.budget(dispatching),
-                        counters, isFresh);
+  std::shared_ptr<const Pipeline> make(bool isFresh) const {
+    return parts.pipeline(
+        kernel, specialise(parts.features, settings, workGroup, parts.budget(dispatching), counters, isFresh));
   }
   const Pipeline& resumedPipeline();
   void record(const vk::raii::CommandBuffer& commands, const Pipeline& pipeline, const gpu::Tile& tile) const;
@@ -258,7 +293,7 @@ uint ShaderRenderer::Parts::workGroupSize(int wanted) const {
 }
 
 ShaderRenderer::Parts::Passes::Passes(Parts& owner, const Spirv& spirv, const RenderSettings& wanted,
-                                      const Dispatching& cut, bool counting)
+                                      const Dispatching& cut, int stride, bool counting)
     : parts(owner),
       device(owner.device),
       kernel(spirv),
@@ -274,7 +309,7 @@ ShaderRenderer::Parts::Passes::Passes(Parts& owner, const Spirv& spirv, const Re
       crop.x1 > packed.x1 || crop.y1 > packed.y1)
     throw RunError("the scene was packed for another picture than is to be rendered");
   const int side = parts.tileSide(dispatching, settings.depth);
-  tiles = cutIntoTiles(settings.crop, side);
+  tiles = cutIntoTiles(settings.crop, stride, side);
   uint slots = 0, area = 0;
   for (const gpu::Tile& tile : tiles) {
     slots = std::max(slots, tile.slots);
@@ -304,7 +339,7 @@ void ShaderRenderer::Parts::Passes::bind() {
                                           {vk::DescriptorType::eStorageTexelBuffer, kRowArrays}};
   pool.emplace(device.vulkan(),
                vk::DescriptorPoolCreateInfo(vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet, 1, sizes));
-  vk::raii::DescriptorSets sets(device.vulkan(), vk::DescriptorSetAllocateInfo(**pool, *fresh.setLayout));
+  vk::raii::DescriptorSets sets(device.vulkan(), vk::DescriptorSetAllocateInfo(**pool, *fresh->setLayout));
   set.emplace(std::move(sets[0]));
   std::array<const Buffer*, gpu::kBindCount> buffers{};
   buffers[gpu::kBindFrame] = &frame;
@@ -343,10 +378,11 @@ gpu::Status ShaderRenderer::Parts::Passes::readStatus() const {
 // Drivers compile at the first dispatch: give them one in which no pixel is inside the tile.
 const Pipeline& ShaderRenderer::Parts::Passes::resumedPipeline() {
   if (!resumed) {
-    const Clock::time_point start = Clock::now();
-    resumed.emplace(make(false));
+    const Stopwatch watch;
+    if (dispatching.compiles) dispatching.compiles();
+    resumed = make(false);
     warmUp(*resumed);
-    resumedCompileSeconds = secondsSince(start);
+    resumedCompileSeconds = watch.seconds();
   }
   return *resumed;
 }
@@ -369,13 +405,14 @@ void ShaderRenderer::Parts::Passes::traceTile(gpu::Tile tile, const Progress& pr
   const double allSamples = double(tile.width) * tile.height * samplesInPixel;
   double waitingBefore = allSamples;  // when this pass began
   gpu::Status last;
-  const Pipeline* pipeline = &fresh;
+  const Pipeline* pipeline = fresh.get();
   for (;;) {
     for (tile.firstGroup = 0; tile.firstGroup < allGroups; tile.firstGroup += tile.groups) {
       tile.groups = std::min(parts.groupsPerDispatch, allGroups - tile.firstGroup);
       const double seconds = device.run([&](const vk::raii::CommandBuffer& commands) {
         fullBarrier(commands);
         if (tile.firstGroup == 0) commands.fillBuffer(**status.buffer, 0, VK_WHOLE_SIZE, 0);
+        if (tile.firstGroup == 0 && pipeline == fresh.get()) commands.fillBuffer(**pixels.buffer, 0, VK_WHOLE_SIZE, 0);
         fullBarrier(commands);
         record(commands, *pipeline, tile);
         fullBarrier(commands);
@@ -388,9 +425,10 @@ void ShaderRenderer::Parts::Passes::traceTile(gpu::Tile tile, const Progress& pr
         parts.groupsPerDispatch = std::min(parts.groupsPerDispatch * 2, 1u << 20);
       last = readStatus();
       if (last.limiter > 0)
-        throw RunError(
+        throw LoopsCut(
             "the driver of " + device.info().name +
-            " ended the kernel's loops early (a loop limiter); the picture would be wrong and is not written");
+                " ended the kernel's loops early (a loop limiter); the picture would be wrong and is not written",
+            last.limiter);
       if (last.solidsLost > 0)
         throw RunError(
             "a ray was in more than " + std::to_string(gpu::kMaxSolids) +
@@ -405,7 +443,23 @@ void ShaderRenderer::Parts::Passes::traceTile(gpu::Tile tile, const Progress& pr
     if (last.unfinished == 0) return;
     waitingBefore = std::min(waitingBefore, double(last.samplesWaiting));
     pipeline = &resumedPipeline();
+    progress(1 - waitingBefore / allSamples);
   }
+}
+
+// Into hostPixels. A kernel that was edited may end before its end, or write nothing at all, with no limiter to blame.
+void ShaderRenderer::Parts::Passes::readPixels(const gpu::Tile& tile) const {
+  const size_t area = size_t(tile.width) * tile.height;
+  device.run([&](const vk::raii::CommandBuffer& commands) {
+    fullBarrier(commands);
+    copy(commands, pixels, 0, hostPixels, area * sizeof(gpu::Row));
+    fullBarrier(commands);
+  });
+  size_t missing = 0;
+  for (size_t i = 0; i < area; ++i) missing += pixel(i).w != gpu::kPixelDone;
+  if (missing > 0)
+    throw PixelsMissing("the kernel has ended without finishing " + std::to_string(missing) + " of the " +
+                        std::to_string(area) + " pixels of a tile; the picture would be wrong and is not written");
 }
 
 // --- the renderer ---------------------------------------------------------------------------------------------------
@@ -436,35 +490,57 @@ void ShaderRenderer::upload(const PackedScene& scene) {
 
 ShaderPicture ShaderRenderer::render(const Spirv& kernel, const RenderSettings& settings, const Progress& progress,
                                      const Dispatching& dispatching) {
-  ShaderPicture picture;
-  picture.image = Image(settings.width, settings.height, settings.crop);
+  return trace(kernel, settings, 1, progress, dispatching);
+}
 
-  Clock::time_point start = Clock::now();
-  Parts::Passes passes(*parts_, kernel, settings, dispatching, false);
-  passes.warmUp(passes.fresh);
-  picture.compileSeconds = secondsSince(start);
+ShaderPicture ShaderRenderer::renderCoarse(const Spirv& kernel, const RenderSettings& settings, int stride,
+                                           const Progress& progress, const Dispatching& dispatching) {
+  ShaderPicture picture = trace(kernel, settings, stride, progress, dispatching);
+  const Image grid = std::move(picture.image);
+  Image& image = picture.image = Image(settings.width, settings.height, settings.crop);
+  for (int y = 0; y < settings.crop.height(); ++y) {
+    const int row = std::min((y + stride / 2) / stride, grid.window.height() - 1);
+    for (int x = 0; x < settings.crop.width(); ++x) {
+      const int column = std::min((x + stride / 2) / stride, grid.window.width() - 1);
+      std::copy_n(&grid.rgb[3 * (size_t(row) * size_t(grid.window.width()) + size_t(column))], 3,
+                  &image.rgb[3 * (size_t(y) * size_t(settings.crop.width()) + size_t(x))]);
+    }
+  }
+  return picture;
+}
+
+// The picture that the pixels of a stride make by themselves.
+ShaderPicture ShaderRenderer::trace(const Spirv& kernel, const RenderSettings& settings, int stride,
+                                    const Progress& progress, const Dispatching& dispatching) {
+  const Window grid = everyStride(settings.crop, stride);
+  ShaderPicture picture;
+  picture.image =
+      stride == 1 ? Image(settings.width, settings.height, settings.crop) : Image(grid.width(), grid.height(), grid);
+
+  Stopwatch watch;
+  if (dispatching.compiles) dispatching.compiles();
+  Parts::Passes passes(*parts_, kernel, settings, dispatching, stride, false);
+  passes.warmUp(*passes.fresh);
+  picture.compileSeconds = watch.lap();
+  if (progress) progress(0);
 
   size_t done = 0;
   for (const gpu::Tile& tile : passes.tiles) {
     const size_t area = size_t(tile.width) * tile.height;
-    passes.traceTile(tile, tileProgress(progress, done, area, settings.crop.area()));
+    passes.traceTile(tile, tileProgress(progress, done, area, grid.area()));
     done += area;
 
-    start = Clock::now();
-    passes.device.run([&](const vk::raii::CommandBuffer& commands) {
-      fullBarrier(commands);
-      copy(commands, passes.pixels, 0, passes.hostPixels, area * sizeof(gpu::Row));
-      fullBarrier(commands);
-    });
+    watch.lap();
+    passes.readPixels(tile);
+    const size_t left = (tile.x0 - uint(settings.crop.x0)) / tile.stride;
+    const size_t top = (tile.y0 - uint(settings.crop.y0)) / tile.stride;
     for (uint y = 0; y < tile.height; ++y) {
       const size_t source = size_t(y) * tile.width;
-      const size_t target = (size_t(tile.y0) - size_t(settings.crop.y0) + y) * size_t(settings.crop.width()) +
-                            (size_t(tile.x0) - size_t(settings.crop.x0));
+      const size_t target = (top + y) * size_t(grid.width()) + left;
       for (uint x = 0; x < tile.width; ++x)
-        std::memcpy(&picture.image.rgb[3 * (target + x)], passes.hostPixels.mapped + (source + x) * sizeof(gpu::Row),
-                    3 * sizeof(float));
+        std::memcpy(&picture.image.rgb[3 * (target + x)], &passes.pixel(source + x), 3 * sizeof(float));
     }
-    picture.readbackSeconds += secondsSince(start);
+    picture.readbackSeconds += watch.lap();
   }
   picture.compileSeconds += passes.resumedCompileSeconds;
   picture.traceSeconds = passes.traceSeconds;
@@ -473,13 +549,17 @@ ShaderPicture ShaderRenderer::render(const Spirv& kernel, const RenderSettings& 
 
 Visits ShaderRenderer::countVisits(const Spirv& kernel, const RenderSettings& settings, const Progress& progress,
                                    const Dispatching& dispatching) {
-  Parts::Passes passes(*parts_, kernel, settings, dispatching, true);
+  if (dispatching.compiles) dispatching.compiles();
+  Parts::Passes passes(*parts_, kernel, settings, dispatching, 1, true);
+  passes.warmUp(*passes.fresh);
+  if (progress) progress(0);
   Visits visits;
   size_t done = 0;
   for (const gpu::Tile& tile : passes.tiles) {
     const size_t area = size_t(tile.width) * tile.height;
     passes.traceTile(tile, tileProgress(progress, done, area, settings.crop.area()));
     done += area;
+    passes.readPixels(tile);  // only to see that the work was done
 
     const vk::DeviceSize rowBytes = vk::DeviceSize(tile.slots) * sizeof(gpu::Row);
     passes.device.run([&](const vk::raii::CommandBuffer& commands) {

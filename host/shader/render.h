@@ -2,8 +2,10 @@
 // render.cpp and gpu.
 #pragma once
 
+#include <functional>
 #include <memory>
 
+#include "errors.h"
 #include "picture/settings.h"
 #include "shader/devices.h"
 #include "shader/fetch.h"
@@ -19,6 +21,9 @@ struct Dispatching {
   // Iterations of an invocation's loops in one dispatch, at least kLeastBudget; 0: what the device bears, see layout.h.
   // Tests set others.
   uint32_t budget = 0;
+  // Called before the driver is given a pipeline to compile, which may take longer than any dispatch; the next call of
+  // progress tells that it is done.
+  std::function<void()> compiles;
 };
 
 // With fewer iterations an invocation might not get anywhere: one turn of each loop costs up to 8 + 4 + 3 + 1, see
@@ -37,6 +42,17 @@ struct ShaderPicture {
   double readbackSeconds = 0;  // from the device into the image
 };
 
+// A driver's loop limiter has ended loops of the kernel: it makes too many turns, or never ends.
+struct LoopsCut : RunError {
+  uint32_t count;  // Status::limiter of layout.h
+  LoopsCut(const std::string& what, uint32_t limiter) : RunError(what), count(limiter) {}
+};
+
+// The kernel has ended without finishing its pixels.
+struct PixelsMissing : RunError {
+  using RunError::RunError;
+};
+
 class ShaderRenderer {
  public:
   // Opens the device. Throws RunError when it cannot be opened, InputError when it cannot fetch in the wanted way.
@@ -50,15 +66,22 @@ class ShaderRenderer {
   void upload(const PackedScene& scene);
 
   // Renders the uploaded scene. Work is cut into dispatches well below a driver's watchdog; progress is called between
-  // them. Throws RunError if a driver's loop limiter has cut the work short.
+  // them. Throws LoopsCut if a driver's loop limiter has cut the work short, PixelsMissing if the kernel has.
   ShaderPicture render(const Spirv& kernel, const RenderSettings& settings, const Progress& progress = {},
                        const Dispatching& dispatching = {});
+
+  // The same of every stride-th pixel across and down, from the crop's first on: these have their values of the full
+  // picture, and every other pixel of the image that of the nearest of them.
+  ShaderPicture renderCoarse(const Spirv& kernel, const RenderSettings& settings, int stride,
+                             const Progress& progress = {}, const Dispatching& dispatching = {});
 
   // Counts the rays of the same picture, and what they meet, by a kernel with counters compiled in.
   Visits countVisits(const Spirv& kernel, const RenderSettings& settings, const Progress& progress = {},
                      const Dispatching& dispatching = {});
 
  private:
+  ShaderPicture trace(const Spirv& kernel, const RenderSettings& settings, int stride, const Progress& progress,
+                      const Dispatching& dispatching);
   struct Parts;
   std::unique_ptr<Parts> parts_;
 };

@@ -1,0 +1,13 @@
+// The device that a command runs on.
+#pragma once
+
+#include <string>
+
+#include "shader/devices.h"
+
+namespace turner {
+
+// That of --device, else that of the environment's TURNER_DEVICE, else the best one. Throws as chooseDevice does.
+DeviceInfo chooseDeviceFor(const std::string& option);
+
+}  // namespace turner

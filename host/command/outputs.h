@@ -1,0 +1,31 @@
+// The files that a command writes, looked at before any work is done for them.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "picture/exr.h"
+#include "picture/image.h"
+#include "scene/scene.h"
+
+namespace turner {
+
+// A picture's name ends in .exr or, if that is allowed, in .png, and it can be written. Throws InputError.
+void checkOutput(const std::string& path, bool mayBePng);
+
+// Two outputs of one name would leave only the last. Throws InputError.
+void refuseRepeated(const std::vector<std::string>& outputs);
+
+// An output in the place of an input would destroy it. Throws InputError.
+void refuseOverwriting(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs);
+
+// The scene's file and its meshes, which stand beside it or below.
+std::vector<std::string> filesOf(const Scene& scene, const std::string& path);
+
+// What is written where no output is named: the scene's name with .exr, in the current folder.
+std::string defaultOutput(const std::string& scene);
+
+// As EXR or PNG, by the name. Throws RunError.
+void writePicture(const std::string& path, const Image& image, const Provenance& provenance);
+
+}  // namespace turner

@@ -1,0 +1,266 @@
+// `turner watch`: what it prints. For people a line as soon as a picture is there and aligned lines with what the
+// change did, for programs one JSON object on a line for each thing that happens. Diagnoses go to stderr in both.
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <utility>
+
+#include "command/commands.h"
+#include "command/data_folder.h"
+#include "command/device_choice.h"
+#include "command/interrupt.h"
+#include "command/outputs.h"
+#include "command/progress_line.h"
+#include "errors.h"
+#include "picture/output_file.h"
+#include "shader/round_scene.h"
+#include "watch/watch.h"
+
+namespace turner {
+namespace {
+
+const char* stepName(Step step) {
+  switch (step) {
+    case Step::open:
+      return "open";
+    case Step::scene:
+      return "scene";
+    case Step::compile:
+      return "compile";
+    case Step::check:
+      return "check";
+    case Step::pipeline:
+      return "pipeline";
+    case Step::coarse:
+      return "coarse";
+    case Step::picture:
+      return "picture";
+    case Step::timing:
+      return "timing";
+    case Step::counting:
+      return "counting";
+    case Step::probe:
+      return "probe";
+  }
+  return "";
+}
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text;
+}
+
+void tellDiagnoses(const std::vector<Diagnosis>& diagnoses) {
+  for (const Diagnosis& diagnosis : diagnoses) fmt::print(stderr, "{}\n", gccText(diagnosis));
+  std::fflush(stderr);
+}
+
+// What another process reads has to come at once; and what cannot be told need not be watched.
+void flush() {
+  if (std::fflush(stdout) != 0) throw RunError("cannot write to standard output");
+}
+
+class TextListener : public WatchListener {
+ public:
+  TextListener(const WatchPlan& plan, bool quiet) : plan_(plan), quiet_(quiet) {
+    say("watching {} and {}; Ctrl-C ends\n", plan.scene, plan.shaders + "/whitted.comp with its includes");
+  }
+
+  void onScene(const SceneReady& scene) override {
+    say("scene: {} ({} spheres, {} triangles)\n", plan_.scene, scene.spheres, scene.triangles);
+    for (const std::string& note : scene.told.notes) say("note: {}\n", note);
+    if (std::exchange(toldDevice_, true)) return;
+    say("device: {} ({}, {}), fetching {}\n", scene.device, scene.deviceType, scene.driver, scene.fetch);
+  }
+  void onCoarse(int, double seconds) override { coarse_ = seconds; }
+  void onPicture(int version, double seconds, const std::vector<std::string>& changed) override {
+    say("version {}{}: in {} after {:.2f} s{}\n", version, changed.empty() ? "" : ", " + joined(changed) + " changed",
+        joined(plan_.outputs), seconds, coarse_ > 0 ? fmt::format(" (coarse after {:.2f} s)", coarse_) : "");
+    coarse_ = 0;
+  }
+  void onVersion(const Consequences& consequences) override { say("{}", consequencesText(consequences)); }
+  void onReference(int version, const Comparison& comparison) override {
+    say("version {}:\n{}", version, referenceText(comparison));
+  }
+  void onRefused(const Refusal& refusal) override {
+    status_.reset();
+    coarse_ = 0;
+    tellDiagnoses(refusal.diagnoses);
+    if (refusal.lastGood)
+      say("version {}: refused after {:.2f} s; the picture stays that of version {}\n", refusal.version,
+          refusal.seconds, *refusal.lastGood);
+    else
+      say("version {}: refused after {:.2f} s; there is no picture yet, waiting for a change\n", refusal.version,
+          refusal.seconds);
+  }
+  void onSuperseded(int version) override {
+    coarse_ = 0;
+    say("version {}: interrupted by a newer save\n", version);
+  }
+  void onTrouble(int, const std::vector<Diagnosis>& diagnoses) override {
+    status_.reset();
+    tellDiagnoses(diagnoses);
+  }
+  void onStop(std::optional<int> version) override {
+    status_.reset();
+    if (version)
+      say("stopped; {} shows version {}\n", joined(plan_.outputs), *version);
+    else
+      say("stopped; there is no picture\n");
+  }
+  void onProgress(int version, Step step, double share) override {
+    if (!status_) status_ = std::make_unique<StatusLine>(quiet_);
+    if (status_->isDue()) status_->show(fmt::format("version {}: {}, {:.0f} %", version, stepName(step), 100 * share));
+  }
+
+ private:
+  template <class... Values>
+  void say(fmt::format_string<const Values&...> format, const Values&... values) {
+    status_.reset();
+    if (quiet_) return;
+    fmt::print(format, values...);
+    flush();
+  }
+
+  const WatchPlan& plan_;
+  bool quiet_, toldDevice_ = false;
+  double coarse_ = 0;
+  std::unique_ptr<StatusLine> status_;
+};
+
+class JsonListener : public WatchListener {
+ public:
+  explicit JsonListener(const WatchPlan& plan) {
+    say("watching", [&](JsonText& json) {
+      json.put("scene", plan.scene);
+      json.put("shaders", plan.shaders);
+      json.array("outputs", [&] {
+        for (const std::string& output : plan.outputs) json.put(output);
+      });
+    });
+  }
+
+  void onScene(const SceneReady& scene) override {
+    say("scene", [&](JsonText& json) {
+      json.put("spheres", scene.spheres);
+      json.put("triangles", scene.triangles);
+      json.put("width", scene.settings.width);
+      json.put("height", scene.settings.height);
+      json.object("device", [&] {
+        json.put("name", scene.device);
+        json.put("driver", scene.driver);
+        json.put("type", scene.deviceType);
+      });
+      json.array("notes", [&] {
+        for (const std::string& note : scene.told.notes) json.put(note);
+      });
+    });
+  }
+  void onCoarse(int version, double seconds) override {
+    say("coarse", [&](JsonText& json) {
+      json.put("version", version);
+      json.put("seconds", seconds);
+    });
+  }
+  void onPicture(int version, double seconds, const std::vector<std::string>&) override {
+    say("picture", [&](JsonText& json) {
+      json.put("version", version);
+      json.put("seconds", seconds);
+    });
+  }
+  void onVersion(const Consequences& consequences) override {
+    say("version", [&](JsonText& json) { putConsequences(json, consequences); });
+  }
+  void onReference(int version, const Comparison& comparison) override {
+    say("reference", [&](JsonText& json) {
+      json.put("version", version);
+      putComparison(json, "to_reference", comparison);
+    });
+  }
+  void onRefused(const Refusal& refusal) override {
+    tellDiagnoses(refusal.diagnoses);
+    say("refused", [&](JsonText& json) {
+      json.put("version", refusal.version);
+      json.put("last_good", refusal.lastGood);
+      json.put("seconds", refusal.seconds);
+      json.put("step", stepName(refusal.step));
+      json.put("endless", refusal.endless);
+      putDiagnoses(json, refusal.diagnoses);
+    });
+  }
+  void onSuperseded(int version) override {
+    say("superseded", [&](JsonText& json) { json.put("version", version); });
+  }
+  void onTrouble(int version, const std::vector<Diagnosis>& diagnoses) override {
+    tellDiagnoses(diagnoses);
+    say("trouble", [&](JsonText& json) {
+      json.put("version", version);
+      putDiagnoses(json, diagnoses);
+    });
+  }
+  void onStop(std::optional<int> version) override {
+    say("stopped", [&](JsonText& json) { json.put("version", version); });
+  }
+  void onProgress(int, Step, double) override {}
+
+ private:
+  template <class Fill>
+  static void say(const char* event, const Fill& fill) {
+    JsonText json;
+    json.object([&] {
+      json.put("event", event);
+      fill(json);
+    });
+    fmt::print("{}", json.oneLine());
+    flush();
+  }
+
+  static void putDiagnoses(JsonText& json, const std::vector<Diagnosis>& diagnoses) {
+    json.array("diagnoses", [&] {
+      for (const Diagnosis& diagnosis : diagnoses) {
+        json.object([&] {
+          json.put("file", diagnosis.file);
+          json.put("line", diagnosis.line);
+          json.put("column", diagnosis.column);
+          json.put("message", diagnosis.message);
+          json.put("source", diagnosis.source);
+        });
+      }
+    });
+  }
+};
+
+}  // namespace
+
+void runWatch(const WatchOptions& watch, const RenderOptions& render) {
+  if (render.scene.empty()) throw InputError("the name of the scene is empty");
+  WatchPlan plan;
+  plan.scene = findScene(render.scene);
+  if (!std::filesystem::exists(plan.scene)) throw InputError(plan.scene + ": error: there is no such file");
+  plan.shaders = shaderFolder(render.shaders);
+  plan.outputs = render.outputs;
+  if (plan.outputs.empty()) plan.outputs = {defaultOutput(render.scene)};
+  for (const std::string& output : plan.outputs) checkOutput(output, true);
+  refuseRepeated(plan.outputs);
+  refuseOverwriting(plan.outputs, {plan.scene});
+  plan.keep = watch.keep;
+  plan.timeout = watch.timeout;
+  plan.settingsOf = [&](const Scene& scene) { return settingsFor(scene, render); };
+  plan.referenceGeometry = [&](Scene scene) {
+    return render.geometry == Geometry::rounded ? roundScene(std::move(scene)) : scene;
+  };
+  plan.chooseDevice = [&] { return chooseDeviceFor(render.device); };
+  plan.throwIfInterrupted = throwIfInterrupted;
+  plan.writePicture = writePicture;
+  plan.fetch = render.fetch;
+  plan.dispatching = {.tile = render.tile, .workGroup = render.workGroup};
+
+  const std::unique_ptr<WatchListener> listener = watch.json ? std::unique_ptr<WatchListener>(new JsonListener(plan))
+                                                             : std::make_unique<TextListener>(plan, render.quiet);
+  turner::watch(plan, *listener);
+}
+
+}  // namespace turner

@@ -1,0 +1,88 @@
+// On the line a message is: its kind, its size, its bytes.
+#include "watch/channel.h"
+
+#include <poll.h>
+#include <sys/socket.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+
+#include "errors.h"
+
+namespace turner {
+namespace {
+
+struct Head {
+  uint64_t kind, size;
+};
+
+constexpr size_t kPiece = 1 << 20;  // bytes that are received at once
+
+bool sendAll(int socket, std::string_view bytes) {
+  while (!bytes.empty()) {
+    // A closed line is no reason to end this process.
+    const ssize_t sent = ::send(socket, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+    if (sent < 0 && errno == EINTR) continue;
+    if (sent < 0) return false;
+    bytes.remove_prefix(size_t(sent));
+  }
+  return true;
+}
+
+}  // namespace
+
+std::pair<int, int> makeChannel() {
+  int ends[2];
+  if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
+    throw RunError(std::string("socketpair: ") + std::strerror(errno));
+  return {ends[0], ends[1]};
+}
+
+Channel::Channel(int socket) : socket_(socket) {}
+
+bool Channel::send(uint32_t kind, std::string_view bytes) {
+  const Head head{kind, bytes.size()};
+  return sendAll(socket_.number, {reinterpret_cast<const char*>(&head), sizeof head}) && sendAll(socket_.number, bytes);
+}
+
+// Reads until there is nothing for the moment, or, where it waits, until a message is whole.
+void Channel::takeWhatIsThere(bool wait) {
+  while (!gone_) {
+    const size_t before = arrived_.size();
+    arrived_.resize(before + kPiece);
+    const bool block = wait && messages_.empty();
+    const ssize_t got = ::recv(socket_.number, arrived_.data() + before, kPiece, block ? 0 : MSG_DONTWAIT);
+    const int error = errno;
+    arrived_.resize(before + (got > 0 ? size_t(got) : 0));
+    if (got < 0 && error == EINTR) continue;
+    if (got < 0 && (error == EAGAIN || error == EWOULDBLOCK)) return;
+    if (got <= 0) {
+      gone_ = true;
+      return;
+    }
+    size_t done = 0;
+    for (Head head; arrived_.size() - done >= sizeof head;) {
+      std::memcpy(&head, arrived_.data() + done, sizeof head);
+      if (arrived_.size() - done - sizeof head < head.size) break;
+      messages_.push_back({uint32_t(head.kind), arrived_.substr(done + sizeof head, head.size)});
+      done += sizeof head + head.size;
+    }
+    arrived_.erase(0, done);
+  }
+}
+
+std::optional<Message> Channel::receive() {
+  takeWhatIsThere(false);
+  if (messages_.empty()) return std::nullopt;
+  Message message = std::move(messages_.front());
+  messages_.pop_front();
+  return message;
+}
+
+std::optional<Message> Channel::wait() {
+  if (messages_.empty()) takeWhatIsThere(true);
+  return receive();
+}
+
+}  // namespace turner

@@ -1,0 +1,48 @@
+// One end of a line between two processes: whole messages, each a kind and bytes.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "descriptor.h"
+
+namespace turner {
+
+struct Message {
+  uint32_t kind = 0;
+  std::string bytes;
+};
+
+class Channel {
+ public:
+  // Of a socket, which it closes in the end.
+  explicit Channel(int socket);
+
+  // Waits until the other end has taken it. False: there is no other end any more.
+  bool send(uint32_t kind, std::string_view bytes);
+  // The next message that has come whole. Never waits.
+  std::optional<Message> receive();
+  // The next message; waits for it. None: the other end is gone.
+  std::optional<Message> wait();
+  // Whether the other end is gone and all that it has sent was received.
+  bool isOver() const { return gone_ && messages_.empty(); }
+
+  int descriptor() const { return socket_.number; }
+
+ private:
+  void takeWhatIsThere(bool wait);
+
+  Descriptor socket_;
+  std::string arrived_;  // the beginning of a message
+  std::deque<Message> messages_;
+  bool gone_ = false;
+};
+
+// Two ends of a line. Throws RunError.
+std::pair<int, int> makeChannel();
+
+}  // namespace turner

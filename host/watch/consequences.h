@@ -1,0 +1,51 @@
+// What a change did: to the times, the picture, the rays and the code. As lines for people and as JSON.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "json_text.h"
+#include "picture/compare.h"
+#include "picture/settings.h"
+#include "shader/spirv_words.h"
+#include "watch/messages.h"
+
+namespace turner {
+
+// A channel that differs by more than this counts its pixel as changed from the last good picture: any difference does.
+inline constexpr double kChanged = 0;
+
+struct Consequences {
+  int version = 0;
+  std::optional<int> lastGood;       // the version that this one is compared with
+  std::vector<std::string> changed;  // names of the shaders' files that differ from it
+  bool sceneChanged = false;
+  bool sameCode = false;  // the compiler made of both the same: the picture was not rendered again
+
+  // Seconds since the save, or since the start of the first version.
+  double toCoarse = 0, toPicture = 0;
+  SceneReady scene;                                                                     // its times
+  double glslang = 0, optimiser = 0, check = 0, pipeline = 0, trace = 0, readback = 0;  // seconds
+  std::optional<Timing> timing;                                                         // both kernels in turn
+  std::optional<double> lastGoodTrace;  // of the same scene, when it was rendered
+
+  std::optional<Comparison> toLastGood, toReference;  // none: there is none of this size; or it is not ready
+  std::optional<RayCounts> rays, lastGoodRays;
+  InstructionChange code;
+  std::string kept;  // folder
+
+  // Of the trace's time to the last good version's.
+  std::optional<double> ratio() const;
+};
+
+// Aligned lines, each with its end.
+std::string consequencesText(const Consequences& of);
+// The line of the comparison with the reference alone, for one that comes later.
+std::string referenceText(const Comparison& comparison);
+
+// Into an object that is open.
+void putComparison(JsonText& json, const char* key, const std::optional<Comparison>& comparison);
+void putConsequences(JsonText& json, const Consequences& of);
+
+}  // namespace turner

@@ -1,0 +1,33 @@
+// What stays the same while a scene and its shaders are watched.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "picture/exr.h"
+#include "picture/settings.h"
+#include "scene/scene.h"
+#include "shader/devices.h"
+#include "shader/fetch.h"
+#include "shader/render.h"
+
+namespace turner {
+
+struct WatchPlan {
+  std::string scene;                 // path
+  std::string shaders;               // folder of whitted.comp
+  std::vector<std::string> outputs;  // .exr and .png; written anew at each version
+  std::string keep;                  // folder of all versions; empty: none is kept
+  double timeout = 10;               // seconds that a piece of work may last
+
+  std::function<RenderSettings(const Scene&)> settingsOf;  // throws InputError
+  std::function<Scene(Scene)> referenceGeometry;           // what the reference traces
+  std::function<DeviceInfo()> chooseDevice;                // throws InputError and RunError
+  std::function<void()> throwIfInterrupted;                // throws Interrupted
+  std::function<void(const std::string& path, const Image& image, const Provenance& provenance)> writePicture;
+  Fetch fetch = Fetch::automatic;
+  Dispatching dispatching;
+};
+
+}  // namespace turner

@@ -1,0 +1,13 @@
+// Renders a scene again and again, whenever its files or the shaders' sources change.
+#pragma once
+
+#include "watch/listener.h"
+#include "watch/plan.h"
+
+namespace turner {
+
+// Goes on until plan.throwIfInterrupted throws, and lets that pass. Before the first picture it throws what no edit can
+// mend: a device that is not there (InputError, RunError). For a process without other threads: it forks.
+[[noreturn]] void watch(const WatchPlan& plan, WatchListener& listener);
+
+}  // namespace turner

@@ -1,0 +1,297 @@
+// Each job is told as the way that data takes: scene -> packed -> uploaded; sources -> SPIR-V -> checked -> pipeline ->
+// coarse picture -> picture -> times -> counts. Every step says that it begins, so that the watcher knows where a
+// worker is that is heard of no more.
+#include "watch/worker.h"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <memory>
+#include <new>
+#include <optional>
+#include <utility>
+
+#include "errors.h"
+#include "reference/reference.h"
+#include "scene/scene_load.h"
+#include "shader/glsl.h"
+#include "shader/kernel_check.h"
+#include "shader/layout_text.h"
+#include "shader/prepare.h"
+#include "stopwatch.h"
+#include "watch/loop_probe.h"
+#include "watch/messages.h"
+
+namespace turner {
+namespace {
+
+// Seconds. Times are compared in turn if a trace is shorter than kShortTrace: by three pairs, or five if they are so
+// quick that five take no longer than kTimingSeconds.
+constexpr double kShortTrace = 0.5, kTimingSeconds = 1.5;
+constexpr int kFewPairs = 3, kManyPairs = 5;
+// Seconds after which the watcher hears of a step again.
+constexpr double kHeartbeat = 0.05;
+
+// The watcher has given the job up.
+struct GivenUp {};
+// The watcher is gone.
+struct LineEnded {};
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+class Worker {
+ public:
+  Worker(Channel& line, const WatchPlan& plan) : line_(line), plan_(plan), dispatching_(plan.dispatching) {
+    dispatching_.compiles = [this] { begin(Step::pipeline); };
+  }
+
+  // False: the worker must end.
+  bool work(const Job& job) {
+    job_ = job.number;
+    cancelled_ = false;
+    try {
+      run(job);
+      tell(Finished{job_, false});
+      return true;
+    } catch (const GivenUp&) {
+      tell(Finished{job_, true});
+      return true;
+    } catch (const LoopsCut& error) {
+      refuse(error.what(), {.endless = true});
+      return true;
+    } catch (const PixelsMissing& error) {
+      refuse(error.what(), {.unfinished = true});
+      return true;
+    } catch (const InputError& error) {
+      refuse(error.what(), {.wrongInput = true});
+      return true;
+    } catch (const RunError& error) {
+      refuse(error.what(), {.broken = isOnDevice()});
+      return !isOnDevice();
+    } catch (const std::bad_alloc&) {
+      refuse("out of memory", {.broken = true});
+      return false;
+    } catch (const std::exception& error) {  // of Vulkan's
+      refuse(error.what(), {.broken = true});
+      return false;
+    }
+  }
+
+ private:
+  void run(const Job& job) {
+    switch (job.purpose) {
+      case Purpose::prepare:
+        return loadScene(job);
+      case Purpose::render:
+        loadScene(job);
+        return render(job);
+      case Purpose::findLoop:
+        loadScene(job);
+        return findLoop(job);
+      case Purpose::reference:
+        return renderReferencePicture();
+    }
+  }
+
+  // --- the scene ---
+
+  void loadScene(const Job& job) {
+    SceneReady& ready = ready_;
+    ready.job = job_;
+    ready.openSeconds = ready.loadSeconds = ready.buildSeconds = ready.uploadSeconds = 0;
+    Stopwatch watch;
+    if (!renderer_) {
+      begin(Step::open);
+      const DeviceInfo device = plan_.chooseDevice();
+      renderer_ = std::make_unique<ShaderRenderer>(device, plan_.fetch);
+      ready.device = device.name;
+      ready.driver = device.driver;
+      ready.deviceType = device.type;
+      ready.fetch = fetchName(renderer_->fetch());
+      ready.openSeconds = watch.lap();
+    }
+    if (job.reloadScene || !hasScene_) {
+      hasScene_ = false;
+      begin(Step::scene);
+      Scene scene = turner::loadScene(plan_.scene);
+      ready.settings = plan_.settingsOf(scene);
+      ready.told = {};
+      ready.told.name = scene.name;
+      ready.told.camera = scene.camera;
+      ready.told.sources = scene.sources;
+      ready.told.notes = scene.notes;
+      ready.spheres = scene.spheres.size();
+      ready.triangles = scene.triangles.size();
+      ready.loadSeconds = watch.lap();
+      stopIfCancelled();
+      const PackedScene packed = prepareScene(std::move(scene), ready.settings);
+      ready.buildSeconds = watch.lap();
+      stopIfCancelled();
+      renderer_->upload(packed);
+      ready.uploadSeconds = watch.lap();
+      hasScene_ = true;
+    }
+    tell(ready);
+  }
+
+  // --- the kernel ---
+
+  Spirv compile(const std::vector<ShaderSource>& sources) {
+    begin(Step::compile);
+    return compileGlsl(sources, fetchPreamble(renderer_->fetch()));
+  }
+
+  void render(const Job& job) {
+    Compiled compiled;
+    compiled.job = job_;
+    Spirv kernel = compile(job.sources);
+    stopIfCancelled();
+    Stopwatch watch;
+    begin(Step::check);
+    checkLayout(job.sources);
+    checkKernel(kernel, job.sources, renderer_->fetch());
+    compiled.checkSeconds = watch.lap();
+    compiled.words = kernel.words;
+    compiled.files = kernel.files;
+    compiled.glslangSeconds = kernel.glslangSeconds;
+    compiled.optimiserSeconds = kernel.optimiserSeconds;
+    compiled.sameAsGood = job.goodHasScene && job.goodWords == kernel.words;
+    tell(compiled);
+    if (compiled.sameAsGood) return;
+
+    const RenderSettings& settings = ready_.settings;
+    ShaderPicture coarse =
+        renderer_->renderCoarse(kernel, settings, kCoarseStride, progressOf(Step::coarse), dispatching_);
+    throwIfInvalid();
+    tell(Picture{job_, true, std::move(coarse.image), coarse.compileSeconds, coarse.traceSeconds,
+                 coarse.readbackSeconds});
+    ShaderPicture picture = renderer_->render(kernel, settings, progressOf(Step::picture), dispatching_);
+    throwIfInvalid();
+    tell(Picture{job_, false, std::move(picture.image), picture.compileSeconds, picture.traceSeconds,
+                 picture.readbackSeconds});
+
+    // The picture is there; what follows is about it.
+    if (job.goodHasScene && !job.goodWords.empty() && picture.traceSeconds < kShortTrace)
+      compareTimes({.words = job.goodWords}, kernel);
+    const Visits visits = renderer_->countVisits(kernel, settings, progressOf(Step::counting), dispatching_);
+    throwIfInvalid();
+    tell(Counted{job_, visits.rays});
+  }
+
+  // In turn, so that whatever else the machine does meets both.
+  void compareTimes(const Spirv& good, const Spirv& edited) {
+    const Stopwatch watch;
+    std::vector<double> before, after;
+    const auto trace = [&](const Spirv& kernel) {
+      return renderer_->render(kernel, ready_.settings, progressOf(Step::timing), dispatching_).traceSeconds;
+    };
+    const auto tracePairs = [&](int pairs) {
+      while (int(before.size()) < pairs) {
+        before.push_back(trace(good));
+        after.push_back(trace(edited));
+      }
+    };
+    tracePairs(kFewPairs);
+    if (watch.seconds() * kManyPairs / kFewPairs < kTimingSeconds) tracePairs(kManyPairs);
+    tell(Timing{job_, int(before.size()), median(before), median(after)});
+  }
+
+  // A kernel that counts its loops' turns ends, and tells which of them had too many.
+  void findLoop(const Job& job) {
+    const LoopProbe probe = probeLoops(job.sources);
+    const Spirv kernel = compile(probe.sources);
+    Dispatching dispatching = dispatching_;
+    dispatching.budget = job.hung ? kLongProbeBudget : kProbeBudget;
+    try {
+      renderer_->renderCoarse(kernel, ready_.settings, kCoarseStride, progressOf(Step::probe), dispatching);
+    } catch (const PixelsMissing&) {
+      // It tells of no loop.
+    } catch (const LoopsCut& cut) {
+      if (const std::optional<SourcePlace> place = endlessLoop(probe, cut.count))
+        tell(LoopFound{job_, place->path, place->line, place->column});
+    }
+  }
+
+  // --- the reference ---
+
+  void renderReferencePicture() {
+    ::setpriority(PRIO_PROCESS, 0, 19);  // whoever edits comes first
+    begin(Step::scene);
+    const Scene scene = turner::loadScene(plan_.scene);
+    const RenderSettings settings = plan_.settingsOf(scene);
+    ReferencePicture picture = renderReference(plan_.referenceGeometry(scene), settings, progressOf(Step::picture));
+    SceneReady ready;
+    ready.job = job_;
+    ready.told.sources = scene.sources;
+    tell(ready);
+    tell(Picture{job_, false, std::move(picture.image), 0, picture.traceSeconds, 0});
+  }
+
+  // --- the line ---
+
+  template <class Value>
+  void tell(const Value& value) {
+    if (!send(line_, value)) throw LineEnded();
+  }
+
+  void begin(Step step) {
+    stopIfCancelled();
+    step_ = step;
+    tell(Advance{job_, step, 0});
+  }
+
+  void refuse(const std::string& text, Refused refused) {
+    refused.job = job_;
+    refused.step = step_;
+    refused.text = text;
+    tell(refused);
+  }
+
+  // What a failure now says of the device.
+  bool isOnDevice() const { return step_ != Step::open && step_ != Step::compile && step_ != Step::check; }
+
+  void stopIfCancelled() {
+    while (const std::optional<Message> message = line_.receive())
+      if (message->kind == Cancel::kind) cancelled_ = decode<Cancel>(*message).job == job_;
+    if (line_.isOver()) throw LineEnded();
+    if (cancelled_) throw GivenUp();
+  }
+
+  Progress progressOf(Step step) {
+    return [this, step, sinceTold = Stopwatch()](double share) mutable {
+      stopIfCancelled();
+      if (step_ == step && sinceTold.seconds() < kHeartbeat) return;
+      step_ = step;
+      sinceTold.lap();
+      tell(Advance{job_, step, share});
+    };
+  }
+
+  Channel& line_;
+  const WatchPlan& plan_;
+  Dispatching dispatching_;
+  std::unique_ptr<ShaderRenderer> renderer_;
+  SceneReady ready_;
+  bool hasScene_ = false;  // on the device
+  uint64_t job_ = 0;
+  Step step_ = Step::open;
+  bool cancelled_ = false;
+};
+
+}  // namespace
+
+void workForWatcher(Channel& line, const WatchPlan& plan) {
+  Worker worker(line, plan);
+  try {
+    while (const std::optional<Message> message = line.wait())
+      if (message->kind == Job::kind && !worker.work(decode<Job>(*message))) return;
+  } catch (const LineEnded&) {
+    // The watcher has ended; so does this.
+  }
+}
+
+}  // namespace turner
