@@ -1,6 +1,8 @@
 // Writes JSON, object by object and key by key. The only place that knows RapidJSON's writer.
 #pragma once
 
+#include <rapidjson/encodings.h>
+#include <rapidjson/memorystream.h>
 #include <rapidjson/prettywriter.h>
 #include <rapidjson/stringbuffer.h>
 
@@ -64,7 +66,7 @@ class JsonText {
     else if constexpr (std::is_integral_v<Value>)
       writer_.Uint64(value);
     else
-      writer_.String(std::string(value).c_str());
+      putString(value);
   }
   std::string text() const { return std::string(buffer_.GetString()) + '\n'; }
   // The same without line breaks and indentation. Inside strings there is none: they have \n for it.
@@ -79,6 +81,19 @@ class JsonText {
   }
 
  private:
+  // JSON is UTF-8, and a source may hold anything: a byte that is none becomes U+FFFD.
+  void putString(std::string_view text) {
+    std::string valid;
+    while (!text.empty()) {
+      rapidjson::MemoryStream bytes(text.data(), text.size());
+      unsigned codepoint = 0;
+      const bool decoded = rapidjson::UTF8<>::Decode(bytes, &codepoint) && bytes.Tell() <= text.size();
+      valid += decoded ? text.substr(0, bytes.Tell()) : "\uFFFD";
+      text.remove_prefix(decoded ? bytes.Tell() : 1);
+    }
+    writer_.String(valid.data(), rapidjson::SizeType(valid.size()));
+  }
+
   rapidjson::StringBuffer buffer_;
   rapidjson::PrettyWriter<rapidjson::StringBuffer> writer_{buffer_};
 };

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "command/commands.h"
@@ -78,8 +79,8 @@ class TextListener : public WatchListener {
   void onCoarse(int, double seconds) override { coarse_ = seconds; }
   void onPicture(int version, double seconds, const std::vector<std::string>& changed) override {
     say("version {}{}: in {} after {:.2f} s{}\n", version, changed.empty() ? "" : ", " + joined(changed) + " changed",
-        joined(plan_.outputs), seconds, coarse_ > 0 ? fmt::format(" (coarse after {:.2f} s)", coarse_) : "");
-    coarse_ = 0;
+        joined(plan_.outputs), seconds, coarse_ ? fmt::format(" (coarse after {:.2f} s)", *coarse_) : "");
+    coarse_.reset();
   }
   void onVersion(const Consequences& consequences) override { say("{}", consequencesText(consequences)); }
   void onReference(int version, const Comparison& comparison) override {
@@ -87,7 +88,7 @@ class TextListener : public WatchListener {
   }
   void onRefused(const Refusal& refusal) override {
     status_.reset();
-    coarse_ = 0;
+    coarse_.reset();
     tellDiagnoses(refusal.diagnoses);
     if (refusal.lastGood)
       say("version {}: refused after {:.2f} s; the picture stays that of version {}\n", refusal.version,
@@ -97,7 +98,7 @@ class TextListener : public WatchListener {
           refusal.seconds);
   }
   void onSuperseded(int version) override {
-    coarse_ = 0;
+    coarse_.reset();
     say("version {}: interrupted by a newer save\n", version);
   }
   void onTrouble(int, const std::vector<Diagnosis>& diagnoses) override {
@@ -127,7 +128,7 @@ class TextListener : public WatchListener {
 
   const WatchPlan& plan_;
   bool quiet_, toldDevice_ = false;
-  double coarse_ = 0;
+  std::optional<double> coarse_;  // seconds until the version in work had a coarse picture
   std::unique_ptr<StatusLine> status_;
 };
 

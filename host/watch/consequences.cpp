@@ -39,7 +39,9 @@ std::string traceLine(const Consequences& of) {
   std::string text = seconds(of.timing ? of.timing->editedSeconds : of.trace);
   if (const std::optional<double> ratio = of.ratio())
     text += fmt::format(", {:.2f} x version {}{}", *ratio, of.lastGood.value_or(0),
-                        of.timing ? fmt::format(" (in turn, medians of {})", of.timing->pairs) : " (not in turn)");
+                        of.timing ? fmt::format(" ({:.2f} to {:.2f} in {} turns)", of.timing->leastRatio,
+                                                of.timing->mostRatio, of.timing->pairs)
+                                  : " (not in turn)");
   return line("trace", text);
 }
 
@@ -96,7 +98,7 @@ void putComparison(JsonText& json, const char* key, const std::optional<Comparis
 }
 
 std::optional<double> Consequences::ratio() const {
-  if (timing) return timing->editedSeconds / timing->goodSeconds;
+  if (timing) return timing->ratio;
   if (sameCode) return 1.0;
   if (lastGoodTrace) return trace / *lastGoodTrace;
   return std::nullopt;
@@ -138,6 +140,8 @@ void putConsequences(JsonText& json, const Consequences& of) {
     json.put("seconds", of.timing ? of.timing->editedSeconds : of.trace);
     json.put("last_good_seconds", of.timing ? std::optional(of.timing->goodSeconds) : of.lastGoodTrace);
     json.put("ratio", of.ratio());
+    json.put("least_ratio", of.timing ? std::optional(of.timing->leastRatio) : std::nullopt);
+    json.put("most_ratio", of.timing ? std::optional(of.timing->mostRatio) : std::nullopt);
     json.put("interleaved", of.timing.has_value());
     json.put("pairs", of.timing ? of.timing->pairs : 0);
   });

@@ -23,8 +23,10 @@ struct Consequences {
   bool sceneChanged = false;
   bool sameCode = false;  // the compiler made of both the same: the picture was not rendered again
 
-  // Seconds since the save, or since the start of the first version.
-  double toCoarse = 0, toPicture = 0;
+  // Seconds since the save, or since the start of the first version. No coarse picture is shown where the full one was
+  // there as soon.
+  std::optional<double> toCoarse;
+  double toPicture = 0;
   SceneReady scene;                                                                     // its times
   double glslang = 0, optimiser = 0, check = 0, pipeline = 0, trace = 0, readback = 0;  // seconds
   std::optional<Timing> timing;                                                         // both kernels in turn

@@ -31,9 +31,10 @@ void writeInto(const fs::path& file, const std::string& bytes) {
 
 // Where a source goes in the version's folder: as it lies in the shaders' own.
 fs::path placeOf(const ShaderSource& source, size_t index) {
-  const fs::path name = index == 0 ? fs::path(source.path).filename() : fs::path(source.name).lexically_normal();
-  // What is included from outside of the folder cannot keep its place.
-  return *name.begin() == ".." ? "outside" / name.filename() : "shaders" / name;
+  const std::string name = index == 0 ? fs::path(source.path).filename().string() : source.name;
+  const fs::path place = ("shaders" / fs::path(name)).lexically_normal();
+  // What is included from far away cannot keep its place.
+  return *place.begin() == ".." ? "outside" / place.filename() : place;
 }
 
 }  // namespace

@@ -111,12 +111,13 @@ struct Picture {
   }
 };
 
-// Medians of the traces of both kernels, taken in turn.
+// Of traces of both kernels, taken in turn: medians, and the spread of the pairs' ratios of edited to good.
 struct Timing {
   static constexpr uint32_t kind = 7;
   uint64_t job = 0;
   int pairs = 0;
   double goodSeconds = 0, editedSeconds = 0;
+  double ratio = 0, leastRatio = 0, mostRatio = 0;
 };
 
 struct Counted {

@@ -7,12 +7,12 @@
 #include <poll.h>
 
 #include <algorithm>
+#include <climits>
 #include <cmath>
 #include <deque>
 #include <filesystem>
 #include <memory>
 #include <optional>
-#include <regex>
 #include <utility>
 
 #include "errors.h"
@@ -38,6 +38,7 @@ constexpr double kBreath = 0.02, kQuiet = 0.2, kLongest = 2;
 constexpr double kPatience = 0.3, kMostPatience = 10;
 // Compilers, glslang and the driver's, may take longer than a piece of the picture.
 constexpr double kCompilers = 60;
+constexpr double kOverslept = 0.5;
 constexpr double kNever = 1e18;
 // Drivers and compilers keep a little of all that they have compiled (lavapipe 22.3: 0.2 MB of each kernel). A worker
 // that has grown by this factor since its kSettled-th version, when its pipelines were all there, makes room for a new
@@ -160,13 +161,17 @@ class Watching {
     return (fs::path(plan_.scene).parent_path() / file).string();
   }
 
-  // Of a scene that cannot be loaded the meshes are not known, and one that is missing may be why: everything that its
-  // text calls a "file" is taken for one.
+  // Of a scene that cannot be loaded the meshes are not known, and one that is missing may be why: whatever its text
+  // calls a "file" is taken for one.
   void followNamedMeshes() try {
-    static const std::regex kNamed(R"re("file"\s*:\s*"([^"\\]+)")re");
     const std::string text = readSource(plan_.scene);
-    for (std::sregex_iterator named(text.begin(), text.end(), kNamed), end; named != end; ++named) {
-      const std::string mesh = besideScene((*named)[1]);
+    constexpr std::string_view kKey = "\"file\"";
+    for (size_t at = text.find(kKey); at != std::string::npos; at = text.find(kKey, at + 1)) {
+      const size_t begin = text.find_first_not_of(" \t\r\n:", at + kKey.size());
+      if (begin == std::string::npos || text[begin] != '"') continue;
+      const std::string name =
+          text.substr(begin + 1, std::min<size_t>(text.find('"', begin + 1) - begin - 1, PATH_MAX));
+      const std::string mesh = besideScene(name);
       if (std::find(meshes_.begin(), meshes_.end(), mesh) == meshes_.end()) meshes_.push_back(mesh);
     }
     followFiles();
@@ -369,7 +374,10 @@ class Watching {
     const double limit = runsKernel(step_)                             ? plan_.timeout
                          : step_ == Step::open || step_ == Step::scene ? kNever
                                                                        : std::max(kCompilers, plan_.timeout);
-    if (now() < lastAdvance_ + limit || cancelledAt_ != kNever) return;
+    const auto isLate = [&] { return busy_ && now() >= lastAdvance_ + limit && cancelledAt_ == kNever; };
+    if (!isLate()) return;
+    hearWorker();  // it may be this process that was late
+    if (!isLate()) return;
     worker_.reset();
     busy_ = false;
     workerDied("");
@@ -475,18 +483,19 @@ class Watching {
     told.sameCode = true;
     told.rays = good_->told.rays;
     told.trace = good_->told.trace;
-    told.toCoarse = now() - attempt_->savedAt;
     takePicture(good_->image);
   }
 
   void look(Picture picture) {
     Consequences& told = attempt_->told;
     told.pipeline += picture.pipelineSeconds;
-    const double seconds = now() - attempt_->savedAt;
     if (picture.coarse) {
+      // Of a scene that renders in a blink the full one may be there already.
+      const auto isPicture = [](const Message& answer) { return answer.kind == Picture::kind; };
+      if (std::any_of(attempt_->answers.begin(), attempt_->answers.end(), isPicture)) return;
       show(picture.image, told.scene, attempt_->version, true);
       told.toCoarse = now() - attempt_->savedAt;
-      listener_.onCoarse(attempt_->version, seconds);
+      listener_.onCoarse(attempt_->version, *told.toCoarse);
       return;
     }
     told.trace = picture.traceSeconds;
@@ -700,7 +709,11 @@ class Watching {
     if (files_.descriptor() >= 0) waits[count++] = {files_.descriptor(), POLLIN, 0};
     if (worker_ && !worker_->line().isOver()) waits[count++] = {worker_->line().descriptor(), POLLIN, 0};
     if (reference_ && isIdle()) waits[count++] = {reference_->line().descriptor(), POLLIN, 0};
-    ::poll(waits, count, int(std::ceil(std::clamp(until - now(), 0.0, 1.0) * 1e3)));
+    const double wait = std::clamp(until - now(), 0.0, 1.0), begin = now();
+    ::poll(waits, count, int(std::ceil(wait * 1e3)));
+    // Ctrl-Z has stopped the worker too.
+    const double overslept = now() - begin - wait;
+    if (overslept > kOverslept) lastAdvance_ += overslept;
   }
 
   const WatchPlan& plan_;

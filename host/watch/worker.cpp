@@ -25,10 +25,9 @@
 namespace turner {
 namespace {
 
-// Seconds. Times are compared in turn if a trace is shorter than kShortTrace: by three pairs, or five if they are so
-// quick that five take no longer than kTimingSeconds.
-constexpr double kShortTrace = 0.5, kTimingSeconds = 1.5;
-constexpr int kFewPairs = 3, kManyPairs = 5;
+// Times are compared in turn if a trace is shorter than kShortTrace, for about kTimingSeconds.
+constexpr double kShortTrace = 0.5, kTimingSeconds = 2;
+constexpr size_t kFewestPairs = 3, kMostPairs = 15;
 // Seconds after which the watcher hears of a step again.
 constexpr double kHeartbeat = 0.05;
 
@@ -153,7 +152,7 @@ class Worker {
     Stopwatch watch;
     begin(Step::check);
     checkLayout(job.sources);
-    checkKernel(kernel, job.sources, renderer_->fetch());
+    if (kernel.words != job.goodWords) checkKernel(kernel, job.sources, renderer_->fetch());
     compiled.checkSeconds = watch.lap();
     compiled.words = kernel.words;
     compiled.files = kernel.files;
@@ -182,22 +181,24 @@ class Worker {
     tell(Counted{job_, visits.rays});
   }
 
-  // In turn, so that whatever else the machine does meets both.
+  // In turn, so that whatever else the machine does meets both; and each is first in turn.
   void compareTimes(const Spirv& good, const Spirv& edited) {
     const Stopwatch watch;
-    std::vector<double> before, after;
-    const auto trace = [&](const Spirv& kernel) {
-      return renderer_->render(kernel, ready_.settings, progressOf(Step::timing), dispatching_).traceSeconds;
+    std::vector<double> before, after, ratios;
+    const auto trace = [&](const Spirv& kernel, std::vector<double>& seconds) {
+      const Progress progress = progressOf(Step::timing);
+      seconds.push_back(renderer_->render(kernel, ready_.settings, progress, dispatching_).traceSeconds);
     };
-    const auto tracePairs = [&](int pairs) {
-      while (int(before.size()) < pairs) {
-        before.push_back(trace(good));
-        after.push_back(trace(edited));
-      }
-    };
-    tracePairs(kFewPairs);
-    if (watch.seconds() * kManyPairs / kFewPairs < kTimingSeconds) tracePairs(kManyPairs);
-    tell(Timing{job_, int(before.size()), median(before), median(after)});
+    // An odd number has a median.
+    while (ratios.size() < kFewestPairs || ratios.size() % 2 == 0 ||
+           (ratios.size() < kMostPairs && watch.seconds() < kTimingSeconds)) {
+      const bool goodFirst = ratios.size() % 2 == 0;
+      trace(goodFirst ? good : edited, goodFirst ? before : after);
+      trace(goodFirst ? edited : good, goodFirst ? after : before);
+      ratios.push_back(after.back() / before.back());
+    }
+    const auto [least, most] = std::minmax_element(ratios.begin(), ratios.end());
+    tell(Timing{job_, int(ratios.size()), median(before), median(after), median(ratios), *least, *most});
   }
 
   // A kernel that counts its loops' turns ends, and tells which of them had too many.
