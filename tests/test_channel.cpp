@@ -89,6 +89,22 @@ TEST_F(TwoEnds, MessagesArriveWholeAndInOrder) {
   sender.join();
 }
 
+TEST_F(TwoEnds, PostingDoesNotWait) {
+  const std::string large(5 << 20, 'x');
+  there->post(1, large);
+  there->post(2, "second");
+  EXPECT_TRUE(there->hasRest());
+  std::vector<Message> messages;
+  while (messages.size() < 2) {
+    there->sendRest();
+    while (std::optional<Message> message = here->receive()) messages.push_back(std::move(*message));
+  }
+  EXPECT_FALSE(there->hasRest());
+  EXPECT_EQ(messages[0].bytes, large);
+  EXPECT_EQ(messages[1].kind, 2u);
+  EXPECT_EQ(messages[1].bytes, "second");
+}
+
 TEST_F(TwoEnds, NothingIsReceivedWithoutWaiting) {
   EXPECT_FALSE(here->receive());
   EXPECT_FALSE(here->isOver());

@@ -43,6 +43,11 @@ TEST(Diagnosis, TakesEveryLineOfAMessage) {
   EXPECT_EQ(found[2].message, "three");
 }
 
+TEST(Diagnosis, WhatIsWrongWithASourceAsAWholeIsToldAtItsBeginning) {
+  const Diagnosis found = readDiagnoses("a.comp: error: Missing entry point", sourceOf("#version 460\n")).at(0);
+  EXPECT_EQ(gccText(found), "a.comp:1:1: error: Missing entry point\n  #version 460\n  ^");
+}
+
 TEST(Diagnosis, KeepsWhatOnlyLooksLikeAPlace) {
   const Diagnosis found = readDiagnoses("a.comp:99999999999999: error: m", sourceOf("x")).at(0);
   EXPECT_EQ(found.line, 0);

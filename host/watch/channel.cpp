@@ -19,15 +19,21 @@ struct Head {
 
 constexpr size_t kPiece = 1 << 20;  // bytes that are received at once
 
-bool sendAll(int socket, std::string_view bytes) {
-  while (!bytes.empty()) {
+// How many bytes were sent, fewer only if the other end is gone, or with MSG_DONTWAIT if it does not take more now.
+size_t sendBytes(int socket, std::string_view bytes, int flags) {
+  size_t done = 0;
+  while (done < bytes.size()) {
     // A closed line is no reason to end this process.
-    const ssize_t sent = ::send(socket, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+    const ssize_t sent = ::send(socket, bytes.data() + done, bytes.size() - done, MSG_NOSIGNAL | flags);
     if (sent < 0 && errno == EINTR) continue;
-    if (sent < 0) return false;
-    bytes.remove_prefix(size_t(sent));
+    if (sent < 0) break;
+    done += size_t(sent);
   }
-  return true;
+  return done;
+}
+
+std::string_view bytesOf(const Head& head) {
+  return {reinterpret_cast<const char*>(&head), sizeof head};
 }
 
 }  // namespace
@@ -43,7 +49,17 @@ Channel::Channel(int socket) : socket_(socket) {}
 
 bool Channel::send(uint32_t kind, std::string_view bytes) {
   const Head head{kind, bytes.size()};
-  return sendAll(socket_.number, {reinterpret_cast<const char*>(&head), sizeof head}) && sendAll(socket_.number, bytes);
+  return sendBytes(socket_.number, bytesOf(head), 0) == sizeof head &&
+         sendBytes(socket_.number, bytes, 0) == bytes.size();
+}
+
+void Channel::post(uint32_t kind, std::string_view bytes) {
+  rest_.append(bytesOf({kind, bytes.size()})).append(bytes);
+  sendRest();
+}
+
+void Channel::sendRest() {
+  rest_.erase(0, sendBytes(socket_.number, rest_, MSG_DONTWAIT));
 }
 
 // Reads until there is nothing for the moment, or, where it waits, until a message is whole.
@@ -69,6 +85,7 @@ void Channel::takeWhatIsThere(bool wait) {
       done += sizeof head + head.size;
     }
     arrived_.erase(0, done);
+    if (arrived_.empty()) arrived_ = std::string();  // without the room of a picture
   }
 }
 

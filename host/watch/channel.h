@@ -24,6 +24,10 @@ class Channel {
 
   // Waits until the other end has taken it. False: there is no other end any more.
   bool send(uint32_t kind, std::string_view bytes);
+  // Sends as much as the other end takes at once; sendRest() goes on with the rest. Never waits.
+  void post(uint32_t kind, std::string_view bytes);
+  void sendRest();
+  bool hasRest() const { return !rest_.empty(); }
   // The next message that has come whole. Never waits.
   std::optional<Message> receive();
   // The next message; waits for it. None: the other end is gone.
@@ -37,6 +41,7 @@ class Channel {
   void takeWhatIsThere(bool wait);
 
   Descriptor socket_;
+  std::string rest_;     // posted and not yet sent
   std::string arrived_;  // the beginning of a message
   std::deque<Message> messages_;
   bool gone_ = false;

@@ -236,6 +236,11 @@ std::vector<Diagnosis> readDiagnoses(const std::string& text, const std::vector<
     const size_t end = std::min(rest.find('\n'), rest.size());
     if (end > 0) {
       Diagnosis diagnosis = readLine(rest.substr(0, end));
+      // What is wrong with a source as a whole is told at its beginning, where an editor can go.
+      const bool isSource = std::any_of(sources.begin(), sources.end(), [&](const ShaderSource& source) {
+        return source.text && source.path == diagnosis.file;
+      });
+      if (isSource && diagnosis.line == 0) diagnosis.line = diagnosis.column = 1;
       if (diagnosis.line > 0) {
         diagnosis.source = sourceLine(diagnosis, sources);
         if (diagnosis.column == 0) diagnosis.column = deduceColumn(diagnosis.message, diagnosis.source);

@@ -179,6 +179,13 @@ bool send(Channel& line, const Value& value) {
   return line.send(message.kind, message.bytes);
 }
 
+// Without waiting for it.
+template <class Value>
+void post(Channel& line, const Value& value) {
+  const Message message = encode(value);
+  line.post(message.kind, message.bytes);
+}
+
 template <class Value>
 Value decode(const Message& message) {
   Value value;

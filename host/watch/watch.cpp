@@ -4,6 +4,7 @@
 #include "watch/watch.h"
 
 #include <fmt/format.h>
+#include <malloc.h>
 #include <poll.h>
 
 #include <algorithm>
@@ -36,7 +37,7 @@ namespace fs = std::filesystem;
 constexpr double kBreath = 0.02, kQuiet = 0.2, kLongest = 2;
 // A worker that was asked to give up gets this long, or as long as a new one needs to be as far with the scene.
 constexpr double kPatience = 0.3, kMostPatience = 10;
-// Compilers, glslang and the driver's, may take longer than a piece of the picture.
+// Compilers, glslang and the driver's, and the opening of a device may take longer than a piece of the picture.
 constexpr double kCompilers = 60;
 constexpr double kOverslept = 0.5;
 constexpr double kNever = 1e18;
@@ -125,6 +126,7 @@ class Watching {
       if (attempt_ && now() >= quietUntil()) lookAtAnswers();
       endIfStuck();
       careForReference();
+      giveMemoryBack();
       rest();
     }
   } catch (const Interrupted&) {
@@ -247,7 +249,7 @@ class Watching {
     }
     if (busy_ && busyWith_ != Purpose::prepare && cancelledAt_ == kNever) {
       cancelledAt_ = now();
-      send(worker_->line(), Cancel{job_});
+      post(worker_->line(), Cancel{job_});
     }
     if (!busy_) begin();
   }
@@ -316,7 +318,7 @@ class Watching {
     step_ = Step::open;
     share_ = 0;
     lastAdvance_ = now();
-    send(worker_->line(), job);  // of a worker that is gone the end of the line will tell
+    post(worker_->line(), job);
   }
 
   // A new one, as far with the scene as the last.
@@ -330,6 +332,7 @@ class Watching {
 
   void hearWorker() {
     if (!worker_) return;
+    worker_->line().sendRest();
     while (std::optional<Message> message = worker_->line().receive()) {
       if (message->kind == Advance::kind) {
         hear(decode<Advance>(*message));
@@ -371,9 +374,9 @@ class Watching {
     }
     if (!busy_) return;
     if (now() > cancelledAt_ + std::clamp(restartSeconds_, kPatience, kMostPatience)) return replaceWorker();
-    const double limit = runsKernel(step_)                             ? plan_.timeout
-                         : step_ == Step::open || step_ == Step::scene ? kNever
-                                                                       : std::max(kCompilers, plan_.timeout);
+    const double limit = runsKernel(step_)      ? plan_.timeout
+                         : step_ == Step::scene ? kNever
+                                                : std::max(kCompilers, plan_.timeout);
     const auto isLate = [&] { return busy_ && now() >= lastAdvance_ + limit && cancelledAt_ == kNever; };
     if (!isLate()) return;
     hearWorker();  // it may be this process that was late
@@ -659,7 +662,7 @@ class Watching {
     reference_ = std::make_unique<Child>([&plan = plan_](Channel& line) { workForWatcher(line, plan); });
     Job job;
     job.purpose = Purpose::reference;
-    send(reference_->line(), job);
+    post(reference_->line(), job);
   }
 
   void hearReference() {
@@ -687,6 +690,12 @@ class Watching {
     reference_.reset();
   }
 
+  // Pictures come and go, and the heap keeps their room: of days of editing nothing shall stay but the last version.
+  void giveMemoryBack() {
+    if (attempt_.has_value() == std::exchange(hadAttempt_, attempt_.has_value()) || attempt_) return;
+    ::malloc_trim(0);
+  }
+
   // --- waiting --------------------------------------------------------------------------------------------------
 
   // Until something comes, or the next moment at which something is due.
@@ -707,7 +716,8 @@ class Watching {
     pollfd waits[3];
     nfds_t count = 0;
     if (files_.descriptor() >= 0) waits[count++] = {files_.descriptor(), POLLIN, 0};
-    if (worker_ && !worker_->line().isOver()) waits[count++] = {worker_->line().descriptor(), POLLIN, 0};
+    if (worker_ && !worker_->line().isOver())
+      waits[count++] = {worker_->line().descriptor(), short(worker_->line().hasRest() ? POLLIN | POLLOUT : POLLIN), 0};
     if (reference_ && isIdle()) waits[count++] = {reference_->line().descriptor(), POLLIN, 0};
     const double wait = std::clamp(until - now(), 0.0, 1.0), begin = now();
     ::poll(waits, count, int(std::ceil(wait * 1e3)));
@@ -741,6 +751,7 @@ class Watching {
   double share_ = 0, lastAdvance_ = 0, cancelledAt_ = kNever, restartSeconds_ = 0;
 
   std::optional<Attempt> attempt_;
+  bool hadAttempt_ = false;
   double attemptQuietAt_ = 0;
   bool repeatsVersion_ = false;
   int lastVersion_ = 0;
@@ -755,6 +766,9 @@ class Watching {
 }  // namespace
 
 void watch(const WatchPlan& plan, WatchListener& listener) {
+  // Whatever is as large as a kernel or a picture goes back to the system when it is freed, from the first on: glibc
+  // would by and by take such blocks from its heap, and leave holes there.
+  ::mallopt(M_MMAP_THRESHOLD, 64 << 10);
   Watching(plan, listener).run();
 }
 
