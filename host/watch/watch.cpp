@@ -16,6 +16,7 @@
 #include <optional>
 #include <utility>
 
+#include "cores.h"
 #include "errors.h"
 #include "picture/provenance.h"
 #include "scene/text_file.h"
@@ -35,6 +36,8 @@ namespace fs = std::filesystem;
 // joins the steps of one save (delete, write, rename), and is shown when it has been quiet for long enough. Who saves
 // without end is heard after kLongest.
 constexpr double kBreath = 0.02, kQuiet = 0.2, kLongest = 2;
+// A coarse picture is not worth showing where the full one follows so soon after that quiet time.
+constexpr double kSoon = 0.1;
 // A worker that was asked to give up gets this long, or as long as a new one needs to be as far with the scene.
 constexpr double kPatience = 0.3, kMostPatience = 10;
 // Compilers, glslang and the driver's, and the opening of a device may take longer than a piece of the picture.
@@ -105,7 +108,8 @@ struct Attempt {
   std::optional<SourcePlace> loop;
   Consequences told;
   std::vector<uint32_t> words;
-  bool hasPicture = false;  // it is the last good version now
+  double coarseAt = kNever;  // when the coarse picture came
+  bool hasPicture = false;   // it is the last good version now
 };
 
 class Watching {
@@ -343,9 +347,10 @@ class Watching {
       const bool ends = message->kind == Finished::kind || message->kind == Refused::kind;
       if (job != job_) continue;
       if (ends) busy_ = false;
-      if (attempt_ && busyWith_ != Purpose::prepare)
+      if (attempt_ && busyWith_ != Purpose::prepare) {
+        if (message->kind == Picture::kind && attempt_->coarseAt == kNever) attempt_->coarseAt = now();
         attempt_->answers.push_back(std::move(*message));
-      else if (message->kind == Refused::kind && decode<Refused>(*message).broken)
+      } else if (message->kind == Refused::kind && decode<Refused>(*message).broken)
         worker_.reset();
       if (!worker_) return;
     }
@@ -423,7 +428,7 @@ class Watching {
   // --- answers --------------------------------------------------------------------------------------------------
 
   void lookAtAnswers() {
-    while (attempt_ && !attempt_->answers.empty()) {
+    while (attempt_ && !attempt_->answers.empty() && !awaitsFullPicture()) {
       const Message message = std::move(attempt_->answers.front());
       attempt_->answers.pop_front();
       switch (message.kind) {
@@ -460,6 +465,19 @@ class Watching {
     }
   }
 
+  bool hasPictureIn(std::deque<Message>::const_iterator from) const {
+    return std::any_of(from, attempt_->answers.end(),
+                       [](const Message& answer) { return answer.kind == Picture::kind; });
+  }
+
+  // Whether next is a coarse picture of a scene that renders in a blink.
+  bool awaitsFullPicture() const {
+    const auto first = attempt_->answers.begin();
+    const double soon = quietUntil() + kSoon;
+    return good_ && first->kind == Picture::kind && now() < soon && attempt_->coarseAt + good_->told.trace < soon &&
+           !hasPictureIn(first + 1);
+  }
+
   void look(const SceneReady& scene) {
     if (attempt_->refused) return;  // only to look for its loop
     // Later changes keep it stale.
@@ -493,9 +511,7 @@ class Watching {
     Consequences& told = attempt_->told;
     told.pipeline += picture.pipelineSeconds;
     if (picture.coarse) {
-      // Of a scene that renders in a blink the full one may be there already.
-      const auto isPicture = [](const Message& answer) { return answer.kind == Picture::kind; };
-      if (std::any_of(attempt_->answers.begin(), attempt_->answers.end(), isPicture)) return;
+      if (hasPictureIn(attempt_->answers.begin())) return;  // the full one
       show(picture.image, told.scene, attempt_->version, true);
       told.toCoarse = now() - attempt_->savedAt;
       listener_.onCoarse(attempt_->version, *told.toCoarse);
@@ -605,13 +621,18 @@ class Watching {
     Provenance provenance = provenanceOf(scene);
     if (coarse) provenance.strings.emplace_back("turner:coarse", std::to_string(kCoarseStride));
     shown_ = coarse ? -version : version;
-    for (const std::string& output : plan_.outputs) {
+    std::vector<std::string> faults(plan_.outputs.size());
+    onAllCores(plan_.outputs.size(), [&](size_t i) {
       try {
-        plan_.writePicture(output, image, provenance);
+        plan_.writePicture(plan_.outputs[i], image, provenance);
       } catch (const std::runtime_error& error) {
-        shown_ = 0;
-        if (!coarse) listener_.onTrouble(version, readDiagnoses(error.what(), {}));
+        faults[i] = error.what();
       }
+    });
+    for (const std::string& fault : faults) {
+      if (fault.empty()) continue;
+      shown_ = 0;
+      if (!coarse) listener_.onTrouble(version, readDiagnoses(fault, {}));
     }
   }
 
@@ -708,7 +729,10 @@ class Watching {
     if (changePending_ && !busy_) until = std::min(until, lastChange_ + kBreath);
     const bool holds = attempt_ && now() < quietUntil();
     if (holds) wakeAt(quietUntil());
-    if (attempt_ && !holds && !attempt_->answers.empty()) return;
+    if (attempt_ && !holds && !attempt_->answers.empty()) {
+      if (!awaitsFullPicture()) return;
+      wakeAt(quietUntil() + kSoon);
+    }
     if (busy_) {
       until = std::min(until, now() + 0.25);  // whether it is stuck
       wakeAt(cancelledAt_ + std::clamp(restartSeconds_, kPatience, kMostPatience));

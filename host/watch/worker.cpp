@@ -6,6 +6,7 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <memory>
 #include <new>
 #include <optional>
@@ -98,6 +99,15 @@ class Worker {
 
   // --- the scene ---
 
+  // A pipe in its place would be waited for, without an end.
+  Scene loadSceneFile() const {
+    std::error_code ignored;
+    const std::filesystem::file_status status = std::filesystem::status(plan_.scene, ignored);
+    if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
+      throw InputError(plan_.scene + ": error: is not a regular file");
+    return turner::loadScene(plan_.scene);
+  }
+
   void loadScene(const Job& job) {
     SceneReady& ready = ready_;
     ready.job = job_;
@@ -116,7 +126,7 @@ class Worker {
     if (job.reloadScene || !hasScene_) {
       hasScene_ = false;
       begin(Step::scene);
-      Scene scene = turner::loadScene(plan_.scene);
+      Scene scene = loadSceneFile();
       ready.settings = plan_.settingsOf(scene);
       ready.told = {};
       ready.told.name = scene.name;
@@ -222,7 +232,7 @@ class Worker {
   void renderReferencePicture() {
     ::setpriority(PRIO_PROCESS, 0, 19);  // whoever edits comes first
     begin(Step::scene);
-    const Scene scene = turner::loadScene(plan_.scene);
+    const Scene scene = loadSceneFile();
     const RenderSettings settings = plan_.settingsOf(scene);
     ReferencePicture picture = renderReference(plan_.referenceGeometry(scene), settings, progressOf(Step::picture));
     SceneReady ready;
