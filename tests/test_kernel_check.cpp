@@ -266,7 +266,7 @@ TEST(KernelCheck, SwappedMembersAreRefused) {
   EXPECT_THAT(complaintAbout(edits),
               AllOf(StartsWith(placeOf(edits, "layout.h", "samplesWaiting; ")),
                     HasSubstr("samplesWaiting is at byte 4 of Status here, but at byte 8 in the running turner"),
-                    HasSubstr("take the change back, or build turner with it")));
+                    HasSubstr("build turner with this file, or take the change back")));
 }
 
 TEST(KernelCheck, AnInsertedMemberIsOneFault) {

@@ -62,6 +62,21 @@ TEST(LayoutText, AnotherValueInAListIsRefused) {
               StartsWith(placeOf("kNodePlanes = 1u") + "kNodePlanes is 2u here, but 1u in"));
 }
 
+TEST(LayoutText, AnotherValueByDefineIsRefused) {
+  EXPECT_THAT(afterEdit("TURNER_CONST kLightPosition = 0u, kLightColor = 1u, kLightRows = 2u;",
+                        "#define kLightPosition 1u\n#define kLightColor 0u\n#define  kLightRows 2u"),
+              AllOf(HasSubstr("kLightPosition is 1u here, but 0u in"), HasSubstr("kLightColor is 0u here, but 1u in"),
+                    testing::Not(HasSubstr("kLightRows"))));
+}
+
+TEST(LayoutText, AnotherValueIsRefusedInWhicheverFileItStands) {
+  EXPECT_THAT(
+      complaintAbout("const uint kLightRows = 3u;\n#define kLightColor\nconst uint kMine = 3u;", "edited/mine.glsl"),
+      AllOf(StartsWith("edited/mine.glsl:1:12: error: kLightRows is 3u here, but 2u in"),
+            HasSubstr("edited/mine.glsl:2:1: error: kLightColor is  here, but 1u in"),
+            testing::Not(HasSubstr("kMine"))));
+}
+
 TEST(LayoutText, AnotherExpressionIsRefused) {
   EXPECT_THAT(afterEdit("kRefTriangle | kRefSecond | kRefPlaceMask", "kRefTriangle | kRefPlaceMask"),
               HasSubstr("kRefPrimitive is kRefTriangle | kRefPlaceMask here, but kRefTriangle | kRefSecond | "
@@ -120,14 +135,6 @@ TEST(LayoutText, AdditionsPass) {
 TEST(LayoutText, WhatIsMissingPasses) {
   EXPECT_EQ(afterEdit("TURNER_CONST kSpecDepth = 1u;", ""), "");
   EXPECT_EQ(complaintAbout(""), "");
-}
-
-TEST(LayoutText, OnlyLayoutIsRead) {
-  std::string text = original();
-  text.replace(text.find("kSpecDepth = 1u"), 15, "kSpecDepth = 7u");
-  EXPECT_EQ(complaintAbout(text, "edited/other.h"), "");
-  EXPECT_EQ(complaintAbout(text, "edited/my_layout.h"), "");
-  EXPECT_NE(complaintAbout(text, "layout.h"), "");
 }
 
 TEST(LayoutText, AnUnreadableOrBrokenFilePasses) {

@@ -176,7 +176,7 @@ void addWatch(CLI::App& app, WatchOptions& options, RenderOptions& render) {
   addText(*command, "--keep", options.keep, "DIR", "Keep every version there: its sources, its picture, its figures");
   // Beyond this the device itself is given up.
   addNumber(*command, "--timeout", options.timeout, 100,
-            "Seconds that a piece of a picture may take before it is called an endless loop (default: 10)", 0.1);
+            "Seconds that a piece of a picture may take before it is called an endless loop (default: 10)", 1);
   command->add_flag("--json", options.json, "Print what happens as JSON, one object on a line");
   addRenderOptions(*command, render);
 }

@@ -251,7 +251,7 @@ int runRender(const RenderOptions& options) {
   refuseRepeated(files);
 
   Scene scene = loadAndTell(options);
-  refuseOverwriting(files, filesOf(scene, findScene(options.scene)));
+  refuseOverwriting(files, filesOf(findScene(options.scene), scene.sources));
   const RenderSettings settings = settingsFor(scene, options);
   const double loadSeconds = watch.lap();
   throwIfInterrupted();

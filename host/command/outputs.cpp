@@ -43,13 +43,6 @@ void refuseOverwriting(const std::vector<std::string>& outputs, const std::vecto
         throw InputError("the output " + output + " is an input; name another file");
 }
 
-std::vector<std::string> filesOf(const Scene& scene, const std::string& path) {
-  std::vector<std::string> files = {path};
-  for (size_t i = 1; i < scene.sources.size(); ++i)
-    files.push_back((std::filesystem::path(path).parent_path() / scene.sources[i].path).string());
-  return files;
-}
-
 void writePicture(const std::string& path, const Image& image, const Provenance& provenance) {
   writeWholeFile(path, lowerExtension(path) == ".png" ? encodePng(image) : encodeExr(image, provenance));
 }

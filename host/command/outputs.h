@@ -6,7 +6,6 @@
 
 #include "picture/exr.h"
 #include "picture/image.h"
-#include "scene/scene.h"
 
 namespace turner {
 
@@ -18,9 +17,6 @@ void refuseRepeated(const std::vector<std::string>& outputs);
 
 // An output in the place of an input would destroy it. Throws InputError.
 void refuseOverwriting(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs);
-
-// The scene's file and its meshes, which stand beside it or below.
-std::vector<std::string> filesOf(const Scene& scene, const std::string& path);
 
 // What is written where no output is named: the scene's name with .exr, in the current folder.
 std::string defaultOutput(const std::string& scene);

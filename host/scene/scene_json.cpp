@@ -344,7 +344,7 @@ const Mesh* SceneReader::loadMesh(size_t at, const Field& field, const std::stri
 
   std::string text;
   try {
-    text = readTextFile(path);
+    text = readRegularFile(path);
   } catch (const InputError& error) {
     // It says "PATH: error: REASON"; the place here is that of the name in the scene.
     std::string reason = error.what();

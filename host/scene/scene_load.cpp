@@ -134,4 +134,11 @@ Scene loadScene(const std::string& path) {
   return scene;
 }
 
+std::vector<std::string> filesOf(const std::string& path, const std::vector<SourceFile>& sources) {
+  std::vector<std::string> files = {path};
+  for (size_t i = 1; i < sources.size(); ++i)
+    files.push_back((std::filesystem::path(path).parent_path() / sources[i].path).string());
+  return files;
+}
+
 }  // namespace turner

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "scene/scene.h"
 
@@ -17,5 +18,8 @@ struct ParsedScene {
 // A scene without lights, objects or camera is complete here too (no lights, no primitives, a camera fitted to the
 // bounds) and says so in Scene::notes. Triangles without area are dropped, which is noted too.
 Scene loadScene(const std::string& path);
+
+// The scene's file and its meshes, which stand beside it or below, as the sources of a loaded scene name them.
+std::vector<std::string> filesOf(const std::string& path, const std::vector<SourceFile>& sources);
 
 }  // namespace turner

@@ -19,6 +19,7 @@
 
 #include "errors.h"
 #include "picture/cache_folder.h"
+#include "scene/text_file.h"
 #include "shader/shader_sources.h"
 #include "shader/spirv_cache.h"
 #include "stopwatch.h"
@@ -88,7 +89,7 @@ class FileIncluder : public glslang::TShader::Includer {
     const auto found = std::find_if(sources_.begin(), sources_.end(),
                                     [&](const ShaderSource& source) { return source.path == path && source.text; });
     const auto number = uint32_t(found - sources_.begin());
-    if (found == sources_.end()) sources_.push_back({"", path, readSource(path)});
+    if (found == sources_.end()) sources_.push_back({"", path, readRegularFile(path)});
     if (std::find(filesRead_.begin(), filesRead_.end(), number) == filesRead_.end()) filesRead_.push_back(number);
     return *sources_[number].text;
   }

@@ -17,6 +17,7 @@
 
 #include "errors.h"
 #include "layout.h"
+#include "shader/layout_text.h"
 #include "shader/source_names.h"
 #include "shader/spirv_words.h"
 
@@ -375,9 +376,6 @@ std::string typeOf(const HostMember& member) {
 
 // --- the comparison --------------------------------------------------------------------------------------------------
 
-constexpr const char kLayoutRemedy[] =
-    "; turner was built with its own layout.h and cannot follow; take the change back, or build turner with it";
-
 class KernelCheck {
  public:
   KernelCheck(const Declarations& declarations, const std::vector<ShaderSource>& shaderSources, Fetch way)
@@ -641,7 +639,7 @@ void KernelCheck::checkBlock(const Resource& resource, const HostBlock& host) {
     if (message.empty()) continue;
     SourcePlace place = findDeclaration(sources, resource.names);
     findMember(sources, module.name(member.structure), member.name, place);
-    return add(place, message + " in the running turner" + kLayoutRemedy);
+    return add(place, message + kLayoutRemedy);
   }
 }
 

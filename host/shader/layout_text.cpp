@@ -4,7 +4,6 @@
 #include <cerrno>
 #include <cstdint>
 #include <cstdlib>
-#include <filesystem>
 #include <map>
 #include <optional>
 #include <span>
@@ -18,10 +17,6 @@
 
 namespace turner {
 namespace {
-
-constexpr const char kRemedy[] =
-    " in the running turner, which was built with its own layout.h and cannot follow; build turner with this file, or "
-    "take the change back";
 
 struct Words {
   std::vector<std::string> words;
@@ -128,6 +123,16 @@ Layout readLayout(std::string_view text) {
       layout.constants.emplace(name.text, value);
     }
   }
+  for (const GlslToken& token : readGlslTokens(text)) {
+    if (directiveName(token) != "define") continue;
+    // #define a 1u says it as well: the name and the value are the words behind.
+    const std::vector<GlslToken> words = readGlslTokens(token.text.substr(token.text.find("define")));
+    if (words.size() < 2) continue;
+    Words value;
+    value.offset = token.offset;
+    for (size_t i = 2; i < words.size(); ++i) value.words.emplace_back(words[i].text);
+    layout.constants.emplace(words[1].text, value);
+  }
   return layout;
 }
 
@@ -156,20 +161,21 @@ void checkLayout(const std::vector<ShaderSource>& sources) {
   static const Layout host = readLayout(kHostLayout);
   std::string faults;
   for (const ShaderSource& source : sources) {
-    if (!source.text || std::filesystem::path(source.path).filename() != "layout.h") continue;
+    if (!source.text) continue;
     std::map<size_t, std::string> found;  // by offset
     const Layout here = readLayout(*source.text);
     for (const auto& [name, value] : here.constants) {
       const auto [first, last] = host.constants.equal_range(name);
       bool fits = first == last;  // what the host does not know, it does not mind
       for (auto wanted = first; wanted != last; ++wanted) fits |= areSame(value, wanted->second);
-      if (!fits) found[value.offset] = name + " is " + textOf(value) + " here, but " + textOf(first->second) + kRemedy;
+      if (!fits)
+        found[value.offset] = name + " is " + textOf(value) + " here, but " + textOf(first->second) + kLayoutRemedy;
     }
     for (const auto& [name, structure] : here.structures) {
       const auto wanted = host.structures.find(name);
       if (wanted == host.structures.end()) continue;
       if (const auto differs = difference(name, structure, wanted->second))
-        found[differs->first] = differs->second + kRemedy;
+        found[differs->first] = differs->second + kLayoutRemedy;
     }
     for (const auto& [offset, message] : found)
       faults += (faults.empty() ? "" : "\n") + faultAt(placeAt(source, offset)) + message;

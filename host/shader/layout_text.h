@@ -8,9 +8,14 @@
 
 namespace turner {
 
-// A layout.h may add constants and structures, and leave some away. Throws InputError with a line for each constant of
-// the host's that has another value, and for each of its structures that has other members, in the sources that are
-// named layout.h.
+// Ends a message about what the sources and the program have differently.
+inline constexpr char kLayoutRemedy[] =
+    " in the running turner, which was built with its own layout.h and cannot follow; build turner with this file, or "
+    "take the change back";
+
+// The sources may add constants and structures, and leave some away. Throws InputError with a line for each constant of
+// the host's that has another value in one of them, by declaration or by #define, and for each of its structures that
+// has other members.
 void checkLayout(const std::vector<ShaderSource>& sources);
 
 }  // namespace turner

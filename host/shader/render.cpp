@@ -430,7 +430,7 @@ void ShaderRenderer::Parts::Passes::traceTile(gpu::Tile tile, const Progress& pr
                 " ended the kernel's loops early (a loop limiter); the picture would be wrong and is not written",
             last.limiter);
       if (last.solidsLost > 0)
-        throw RunError(
+        throw UntrueKernel(
             "a ray was in more than " + std::to_string(gpu::kMaxSolids) +
             " solids of glass at once, met more of their walls in one place, or passed more than " +
             std::to_string(gpu::kMaxHiddenWalls) +

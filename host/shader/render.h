@@ -42,15 +42,18 @@ struct ShaderPicture {
   double readbackSeconds = 0;  // from the device into the image
 };
 
-// A driver's loop limiter has ended loops of the kernel: it makes too many turns, or never ends.
-struct LoopsCut : RunError {
-  uint32_t count;  // Status::limiter of layout.h
-  LoopsCut(const std::string& what, uint32_t limiter) : RunError(what), count(limiter) {}
-};
-
-// The kernel has ended without finishing its pixels.
-struct PixelsMissing : RunError {
+// The kernel ran, the device is well, and the picture is not to be trusted.
+struct UntrueKernel : RunError {
   using RunError::RunError;
+};
+// A driver's loop limiter has ended loops of the kernel: it makes too many turns, or never ends.
+struct LoopsCut : UntrueKernel {
+  uint32_t count;  // Status::limiter of layout.h
+  LoopsCut(const std::string& what, uint32_t limiter) : UntrueKernel(what), count(limiter) {}
+};
+// The kernel has ended without finishing its pixels.
+struct PixelsMissing : UntrueKernel {
+  using UntrueKernel::UntrueKernel;
 };
 
 class ShaderRenderer {

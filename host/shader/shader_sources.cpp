@@ -51,7 +51,7 @@ std::vector<std::string> includedNames(std::string_view text) {
 
 std::optional<std::string> textIfReadable(const std::string& path) {
   try {
-    return readSource(path);
+    return readRegularFile(path);
   } catch (const InputError&) {
     return std::nullopt;  // the compiler reads it again and has the place for the message
   }
@@ -59,16 +59,8 @@ std::optional<std::string> textIfReadable(const std::string& path) {
 
 }  // namespace
 
-std::string readSource(const std::string& path) {
-  std::error_code ignored;
-  const fs::file_status status = fs::status(path, ignored);
-  if (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status))
-    throw InputError(path + ": error: is not a regular file");
-  return readTextFile(path);
-}
-
 std::vector<ShaderSource> readShaderSources(const std::string& path) {
-  std::vector<ShaderSource> sources = {{"", path, readSource(path)}};
+  std::vector<ShaderSource> sources = {{"", path, readRegularFile(path)}};
   const fs::path folder = fs::path(path).parent_path();
   for (size_t i = 0; i < sources.size(); ++i) {
     if (!sources[i].text) continue;

@@ -20,9 +20,6 @@ struct SourcePlace {
   int line = 1, column = 1;
 };
 
-// The text of one file. Throws InputError; at a pipe too, for which it would have to wait.
-std::string readSource(const std::string& path);
-
 // The shader first, then what its lines #include "name", and what these include, each name once. Includes that the
 // preprocessor would skip are listed too; those in an unusual spelling (a comment or a broken line inside the
 // directive, an absolute path) are not. Throws InputError if the shader itself cannot be read.

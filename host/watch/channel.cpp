@@ -97,6 +97,11 @@ std::optional<Message> Channel::receive() {
   return message;
 }
 
+bool Channel::hasArrivals() const {
+  pollfd wait{socket_.number, POLLIN, 0};
+  return !messages_.empty() || (!gone_ && ::poll(&wait, 1, 0) > 0);
+}
+
 std::optional<Message> Channel::wait() {
   if (messages_.empty()) takeWhatIsThere(true);
   return receive();

@@ -30,6 +30,8 @@ class Channel {
   bool hasRest() const { return !rest_.empty(); }
   // The next message that has come whole. Never waits.
   std::optional<Message> receive();
+  // Whether receive() has something to look at.
+  bool hasArrivals() const;
   // The next message; waits for it. None: the other end is gone.
   std::optional<Message> wait();
   // Whether the other end is gone and all that it has sent was received.

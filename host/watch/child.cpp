@@ -8,13 +8,16 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cstdio>
 #include <cstring>
 #include <exception>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <thread>
 #include <utility>
 
 #include "errors.h"
@@ -25,13 +28,20 @@ namespace {
 // Of the two ends of the line only the child's own stays, and nothing else but what the user sees.
 void closeOthers(int mine) {
   if (mine > 3) ::close_range(3, unsigned(mine - 1), 0);
-  ::close_range(unsigned(mine + 1), ~0u, 0);
+  ::close_range(unsigned(std::max(mine, 2) + 1), ~0u, 0);
 }
 
 // When memory runs out, the child shall go, not its parent, which has the last good picture.
 void offerAsVictim() {
   const Descriptor file(::open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC));
   if (file.number >= 0 && ::write(file.number, "1000", 4) < 0) return;  // then the system chooses by itself
+}
+
+constexpr int kMostNaps = 1000;  // milliseconds
+
+std::ptrdiff_t threadCount() {
+  const std::filesystem::directory_iterator threads("/proc/self/task");
+  return std::distance(std::filesystem::begin(threads), std::filesystem::end(threads));
 }
 
 [[noreturn]] void beChild(pid_t parent, int line, const std::function<void(Channel&)>& work) {
@@ -56,9 +66,11 @@ void offerAsVictim() {
 }  // namespace
 
 Child::Child(const std::function<void(Channel&)>& work) {
-  const std::filesystem::directory_iterator threads("/proc/self/task");
-  if (std::distance(std::filesystem::begin(threads), std::filesystem::end(threads)) != 1)
-    throw RunError("a process with several threads cannot be forked");
+  // A thread that was joined is listed for a moment longer.
+  for (int naps = 0; threadCount() != 1; ++naps) {
+    if (naps == kMostNaps) throw RunError("a process with several threads cannot be forked");
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
   const auto [mine, its] = makeChannel();
   line_ = std::make_unique<Channel>(mine);
   const pid_t parent = ::getpid();
@@ -75,7 +87,9 @@ Child::~Child() {
 }
 
 void Child::pause() {
-  if (process_ > 0 && !std::exchange(paused_, true)) ::kill(process_, SIGSTOP);
+  // Even if it is paused: Ctrl-Z and fg wake all.
+  if (process_ > 0) ::kill(process_, SIGSTOP);
+  paused_ = true;
 }
 
 void Child::goOn() {
@@ -91,10 +105,13 @@ size_t Child::residentBytes() const {
 std::string Child::end() {
   if (process_ <= 0) return "has ended";
   ::kill(process_, SIGKILL);  // without effect on one that has ended: it has not been waited for
+  const pid_t process = std::exchange(process_, -1);
+  // One that a driver holds in the kernel dies when that lets it go; nobody waits so long.
   int status = 0;
-  while (::waitpid(process_, &status, 0) < 0 && errno == EINTR) {
+  for (int naps = 0; ::waitpid(process, &status, WNOHANG) == 0; ++naps) {
+    if (naps == kMostNaps) return "does not end";
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
-  process_ = -1;
   if (WIFSIGNALED(status))
     return "was ended by signal " + std::to_string(WTERMSIG(status)) + " (" + ::strsignal(WTERMSIG(status)) + ")";
   return "ended with code " + std::to_string(WEXITSTATUS(status));

@@ -17,11 +17,13 @@ namespace fs = std::filesystem;
 
 namespace {
 
+constexpr long long kMostVersions = 1'000'000'000;
+
 // 7 of "0007"; 0 where a name is not that of a version.
 int versionOf(const std::string& name) {
   long long number = 0;
   if (name.size() < 4 || name.find_first_not_of("0123456789") != std::string::npos) return 0;
-  return parseInteger(name, number) == NumberFault::none && number <= INT32_MAX ? int(number) : 0;
+  return parseInteger(name, number) == NumberFault::none && number < kMostVersions ? int(number) : 0;
 }
 
 void writeInto(const fs::path& file, const std::string& bytes) {
@@ -34,7 +36,7 @@ fs::path placeOf(const ShaderSource& source, size_t index) {
   const std::string name = index == 0 ? fs::path(source.path).filename().string() : source.name;
   const fs::path place = ("shaders" / fs::path(name)).lexically_normal();
   // What is included from far away cannot keep its place.
-  return *place.begin() == ".." ? "outside" / place.filename() : place;
+  return *place.begin() == ".." ? fs::path("outside") / std::to_string(index) / place.filename() : place;
 }
 
 }  // namespace
@@ -57,7 +59,7 @@ std::string keepVersion(const std::string& folder, int number, const KeptVersion
     fs::remove_all(temporary);
     for (size_t i = 0; i < version.sources.size(); ++i)
       if (version.sources[i].text) writeInto(temporary / placeOf(version.sources[i], i), *version.sources[i].text);
-    if (!version.sceneName.empty()) writeInto(temporary / version.sceneName, version.sceneText);
+    if (!version.sceneName.empty()) writeInto(temporary / "scene" / version.sceneName, version.sceneText);
     writeInto(temporary / "picture.exr", version.picture);
     writeInto(temporary / "figures.json", version.figures);
     fs::rename(temporary, target);

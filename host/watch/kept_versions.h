@@ -1,4 +1,4 @@
-// Every good version in a folder of its own, so that one can go back: DIR/0007/ with shaders/, the scene's file,
+// Every good version in a folder of its own, so that one can go back: DIR/0007/ with shaders/, scene/ (its file),
 // picture.exr and figures.json.
 #pragma once
 

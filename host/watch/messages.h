@@ -32,6 +32,7 @@ struct Job {
   static constexpr uint32_t kind = 1;
   uint64_t number = 0;
   Purpose purpose = Purpose::render;
+  uint64_t sceneEpoch = 0;            // counts the changes of its files
   bool reloadScene = false;           // its files have changed since the last job
   bool hung = false;                  // the kernel was given up; else a driver has cut its loops or it left pixels out
   std::vector<ShaderSource> sources;  // the kernel, as it was read by the watcher
@@ -42,7 +43,7 @@ struct Job {
   template <class Bytes>
   void fields(Bytes& b) {
     uint64_t count = sources.size();
-    b(number, purpose, reloadScene, hung, goodWords, goodHasScene, count);
+    b(number, purpose, sceneEpoch, reloadScene, hung, goodWords, goodHasScene, count);
     sources.resize(count);
     for (ShaderSource& source : sources) b(source.name, source.path, source.text);
   }
@@ -66,7 +67,7 @@ struct Advance {
 // What is told of a scene that is on the device.
 struct SceneReady {
   static constexpr uint32_t kind = 4;
-  uint64_t job = 0;
+  uint64_t job = 0, sceneEpoch = 0;
   Scene told;  // name, camera, sources and notes
   RenderSettings settings;
   uint64_t spheres = 0, triangles = 0;
@@ -76,7 +77,8 @@ struct SceneReady {
   template <class Bytes>
   void fields(Bytes& b) {
     uint64_t files = told.sources.size();
-    b(job, told.name, told.camera, told.notes, files, settings, spheres, triangles, device, driver, deviceType, fetch);
+    b(job, sceneEpoch, told.name, told.camera, told.notes, files, settings, spheres, triangles, device, driver,
+      deviceType, fetch);
     b(openSeconds, loadSeconds, buildSeconds, uploadSeconds);
     told.sources.resize(files);
     for (SourceFile& file : told.sources) b(file.path, file.sha256);
@@ -128,7 +130,7 @@ struct Counted {
 
 // Where a loop is that made too many turns.
 struct LoopFound {
-  static constexpr uint32_t kind = 11;
+  static constexpr uint32_t kind = 9;
   uint64_t job = 0;
   std::string path;
   int line = 0, column = 0;
@@ -141,25 +143,25 @@ struct LoopFound {
 
 // The job is done: all of it, or it was given up as the watcher wished.
 struct Finished {
-  static constexpr uint32_t kind = 9;
+  static constexpr uint32_t kind = 10;
   uint64_t job = 0;
-  bool cancelled = false;
 };
 
 // The job ended here.
 struct Refused {
-  static constexpr uint32_t kind = 10;
+  static constexpr uint32_t kind = 11;
   uint64_t job = 0;
   Step step = Step::open;
   bool wrongInput = false;  // the user's mistake, else the machine's failure
   bool endless = false;     // the driver cut loops short, or the work made no progress
+  bool hung = false;        // said by the watcher, of a worker that came to no end
   bool unfinished = false;  // pixels are missing: there may be an endless loop that the driver left out
   bool broken = false;      // the worker ends too: its device may be lost
   std::string text;         // one line for each fault, as errors have them
 
   template <class Bytes>
   void fields(Bytes& b) {
-    b(job, step, wrongInput, endless, unfinished, broken, text);
+    b(job, step, wrongInput, endless, hung, unfinished, broken, text);
   }
 };
 
@@ -184,6 +186,14 @@ template <class Value>
 void post(Channel& line, const Value& value) {
   const Message message = encode(value);
   line.post(message.kind, message.bytes);
+}
+
+// Of an answer: each begins with it.
+inline uint64_t jobOf(const Message& answer) {
+  uint64_t job = 0;
+  ByteReader reader(answer.bytes);
+  reader(job);
+  return job;
 }
 
 template <class Value>

@@ -6,7 +6,6 @@
 #include <sys/resource.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <memory>
 #include <new>
 #include <optional>
@@ -15,6 +14,7 @@
 #include "errors.h"
 #include "reference/reference.h"
 #include "scene/scene_load.h"
+#include "scene/text_file.h"
 #include "shader/glsl.h"
 #include "shader/kernel_check.h"
 #include "shader/layout_text.h"
@@ -55,16 +55,19 @@ class Worker {
     cancelled_ = false;
     try {
       run(job);
-      tell(Finished{job_, false});
+      tell(Finished{job_});
       return true;
     } catch (const GivenUp&) {
-      tell(Finished{job_, true});
+      tell(Finished{job_});
       return true;
     } catch (const LoopsCut& error) {
       refuse(error.what(), {.endless = true});
       return true;
     } catch (const PixelsMissing& error) {
       refuse(error.what(), {.unfinished = true});
+      return true;
+    } catch (const UntrueKernel& error) {
+      refuse(error.what(), {});
       return true;
     } catch (const InputError& error) {
       refuse(error.what(), {.wrongInput = true});
@@ -99,18 +102,15 @@ class Worker {
 
   // --- the scene ---
 
-  // A pipe in its place would be waited for, without an end.
   Scene loadSceneFile() const {
-    std::error_code ignored;
-    const std::filesystem::file_status status = std::filesystem::status(plan_.scene, ignored);
-    if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
-      throw InputError(plan_.scene + ": error: is not a regular file");
+    readRegularFile(plan_.scene);  // not a pipe, at which a worker would wait without an end
     return turner::loadScene(plan_.scene);
   }
 
   void loadScene(const Job& job) {
     SceneReady& ready = ready_;
     ready.job = job_;
+    ready.sceneEpoch = job.sceneEpoch;
     ready.openSeconds = ready.loadSeconds = ready.buildSeconds = ready.uploadSeconds = 0;
     Stopwatch watch;
     if (!renderer_) {
@@ -136,10 +136,8 @@ class Worker {
       ready.spheres = scene.spheres.size();
       ready.triangles = scene.triangles.size();
       ready.loadSeconds = watch.lap();
-      stopIfCancelled();
       const PackedScene packed = prepareScene(std::move(scene), ready.settings);
       ready.buildSeconds = watch.lap();
-      stopIfCancelled();
       renderer_->upload(packed);
       ready.uploadSeconds = watch.lap();
       hasScene_ = true;
@@ -235,10 +233,6 @@ class Worker {
     const Scene scene = loadSceneFile();
     const RenderSettings settings = plan_.settingsOf(scene);
     ReferencePicture picture = renderReference(plan_.referenceGeometry(scene), settings, progressOf(Step::picture));
-    SceneReady ready;
-    ready.job = job_;
-    ready.told.sources = scene.sources;
-    tell(ready);
     tell(Picture{job_, false, std::move(picture.image), 0, picture.traceSeconds, 0});
   }
 

@@ -1,0 +1,149 @@
+#include "watch/watched_files.h"
+
+#include <algorithm>
+#include <climits>
+#include <filesystem>
+#include <utility>
+
+#include "errors.h"
+#include "scene/scene_load.h"
+#include "scene/text_file.h"
+
+namespace turner {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+bool haveSameTexts(const std::vector<ShaderSource>& a, const std::vector<ShaderSource>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const ShaderSource& x, const ShaderSource& y) { return x.path == y.path && x.text == y.text; });
+}
+
+// Whatever a scene's text calls a "file", whether the rest of it can be read or not.
+std::vector<std::string> namedFiles(const std::string& text) {
+  std::vector<std::string> names;
+  constexpr std::string_view kKey = "\"file\"";
+  for (size_t at = text.find(kKey); at != std::string::npos; at = text.find(kKey, at + 1)) {
+    const size_t begin = text.find_first_not_of(" \t\r\n:", at + kKey.size());
+    if (begin == std::string::npos || text[begin] != '"') continue;
+    const size_t length = std::min(text.find('"', begin + 1), text.size()) - begin - 1;
+    if (length < PATH_MAX) names.push_back(text.substr(begin + 1, length));
+  }
+  return names;
+}
+
+}  // namespace
+
+WatchedFiles::WatchedFiles(std::string scene, const std::string& shaders)
+    : scene_(std::move(scene)), kernel_(shaders + "/whitted.comp") {
+  follow();
+}
+
+std::vector<ShaderSource> WatchedFiles::readSources() const try {
+  return readShaderSources(kernel_);
+} catch (const InputError&) {
+  return {{"", kernel_, std::nullopt}};
+}
+
+std::vector<std::string> WatchedFiles::filesOfScene() const {
+  std::vector<std::string> files = filesOf(scene_, loaded_);
+  files.insert(files.end(), namedMeshes_.begin(), namedMeshes_.end());
+  return files;
+}
+
+void WatchedFiles::follow() {
+  std::vector<std::string> files = filesOfScene();
+  files.push_back(kernel_);
+  for (const ShaderSource& source : seen_) files.push_back(source.path);
+  files.insert(files.end(), read_.begin(), read_.end());
+  watch_.follow(files);
+}
+
+// To read a larger file would take longer than to load the scene once too often.
+bool WatchedFiles::isAsLoaded(const std::string& file) const try {
+  constexpr uintmax_t kMostBytes = 16 << 20;
+  std::error_code ignored;
+  if (isSceneStale() || !fs::is_regular_file(file, ignored) || fs::file_size(file, ignored) > kMostBytes) return false;
+  const std::vector<std::string> files = filesOf(scene_, loaded_);
+  const size_t number = size_t(std::find(files.begin(), files.end(), file) - files.begin());
+  return number < loaded_.size() && sha256Hex(readTextFile(file)) == loaded_[number].sha256;
+} catch (const InputError&) {
+  return false;
+}
+
+bool WatchedFiles::isKnownSource(const std::string& file) const {
+  const auto isThis = [&](const ShaderSource& source) { return source.path == file; };
+  return file == kernel_ || std::any_of(seen_.begin(), seen_.end(), isThis) ||
+         std::any_of(taken_.begin(), taken_.end(), isThis);
+}
+
+void WatchedFiles::look(double now) {
+  const std::vector<std::string> changes = watch_.takeChanges();
+  if (changes.empty()) return;
+  bool isChange = mistrusted_;
+  const std::vector<std::string> sceneFiles = filesOfScene();
+  for (const std::string& file : changes) {
+    if (std::find(sceneFiles.begin(), sceneFiles.end(), file) != sceneFiles.end()) {
+      if (isAsLoaded(file)) continue;
+      ++sceneEpoch_;
+      isChange = true;
+    } else if (!isKnownSource(file)) {
+      otherChanged_ = isChange = true;
+    }
+  }
+  std::vector<ShaderSource> sources = readSources();
+  isChange |= !haveSameTexts(sources, seen_);
+  seen_ = std::move(sources);
+  follow();
+  if (!isChange) return;
+  if (now >= quietUntil()) {
+    ++burst_;
+    firstChange_ = now;
+  }
+  lastChange_ = now;
+  pending_ = true;
+}
+
+bool WatchedFiles::isDue(double now) {
+  if (!pending_ || now < lastChange_ + kBreath) return false;
+  pending_ = mistrusted_ || otherChanged_ || takenEpoch_ != sceneEpoch_ || !haveSameTexts(seen_, taken_);
+  return pending_;
+}
+
+std::vector<ShaderSource> WatchedFiles::takeUp() {
+  pending_ = mistrusted_ = otherChanged_ = false;
+  takenEpoch_ = sceneEpoch_;
+  // Followed, then read: no change falls between.
+  seen_ = readSources();
+  follow();
+  taken_ = seen_ = readSources();
+  return taken_;
+}
+
+double WatchedFiles::quietUntil() const {
+  return std::min(lastChange_ + kQuiet, firstChange_ + kLongest);
+}
+
+void WatchedFiles::sceneWasLoaded(uint64_t epoch, const std::vector<SourceFile>& sources) {
+  loadedEpoch_ = epoch;
+  loaded_ = sources;
+  namedMeshes_.clear();
+  follow();
+}
+
+void WatchedFiles::sceneWasRefused() try {
+  namedMeshes_.clear();
+  for (const std::string& name : namedFiles(readRegularFile(scene_)))
+    namedMeshes_.push_back((fs::path(scene_).parent_path() / name).string());
+  follow();
+} catch (const InputError&) {
+  follow();  // the scene's own return is what is waited for
+}
+
+void WatchedFiles::compilerRead(const std::vector<std::string>& files) {
+  read_ = files;
+  follow();
+}
+
+}  // namespace turner
