@@ -191,8 +191,7 @@ class Watched:
         if kind is None and self.process.returncode is None:
             self.interrupt()
         elif self.process.poll() is None:
-            self.process.kill()
-            self.process.wait()
+            self.kill()
         for thread in self.threads:
             thread.join(PATIENCE)
         self.process.stdout.close()
@@ -291,6 +290,11 @@ class Watched:
             self.test.assertEqual(self.events[-1]["event"], "stopped", self)
         return self.seconds_to_end
 
+    def kill(self):
+        self.process.kill()
+        self.process.wait()
+        self.test.check_nobody_left(self)
+
     def check_nothing_left(self):
         self.test.check_nobody_left(self)
         self.test.assertEqual(self.test.temporary_files(), [], self)
@@ -366,7 +370,8 @@ class Session(unittest.TestCase):
         wait_until(lambda: not living_in(self.folder), 2)
         left = living_in(self.folder)
         for process in left:
-            os.kill(process, signal.SIGKILL)
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(process, signal.SIGKILL)
         self.assertEqual(left, [], f"processes are left\n{about}")
 
     # --- witnesses ---
@@ -458,7 +463,7 @@ class Shaders(Session):
             found = self.assert_diagnosis(w, w.refused(), "shade.glsl", line, "syntax error")
             self.assertEqual(found["source"][found["column"] - 1], ";", "the column is that of the token")
             self.assertEqual(self.exr(), before)
-            self.assertEqual(w.events[-1]["last_good"], 1)
+            self.assertEqual(w.wait("refused", version=2)["last_good"], 1)
             # Another mistake: a name that nobody knows.
             line = self.edit("shade.glsl", "return E * brdf * dot(surface.Ns, L;", "return E * brfd;")
             found = self.assert_diagnosis(w, w.refused(), "shade.glsl", line, "brfd")
@@ -1260,9 +1265,7 @@ class Survival(Session):
         for wait in (0.1, 0.5, 1.5):
             with self.watch("--samples", "8", "--width", "640", "--height", "480") as w:
                 time.sleep(wait)
-                w.process.kill()
-                w.process.wait()
-            self.check_nobody_left(w)
+                w.kill()
         # Just when the reference has begun and is to pause.
         for _ in range(4):
             with self.watch() as w:
@@ -1270,9 +1273,7 @@ class Survival(Session):
                 w.figures()
                 self.save("shade.glsl", self.source("shade.glsl").read_bytes() + b"// saved\n")
                 time.sleep(0.01)
-                w.process.kill()
-                w.process.wait()
-            self.check_nobody_left(w)
+                w.kill()
 
     def test_ctrl_c_at_any_moment(self):
         chance = random.Random(20)
@@ -1314,7 +1315,7 @@ class Survival(Session):
                 process = subprocess.Popen(
                     command, cwd=self.folder, env=self.environment(), stdout=subprocess.PIPE, stderr=errors
                 )
-                while not any(word in (line := process.stdout.readline()) for word in (b"SPIR-V", b'"same_code"')):
+                while not re.search(b'SPIR-V|"same_code"', line := process.stdout.readline()):
                     self.assertTrue(line, "it has ended by itself")
                 process.stdout.close()
                 self.edit("shade.glsl", *texts[i % 2])

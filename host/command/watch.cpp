@@ -2,6 +2,7 @@
 // change did, for programs one JSON object on a line for each thing that happens. Diagnoses go to stderr in both.
 #include <fmt/format.h>
 
+#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -237,6 +238,7 @@ class JsonListener : public WatchListener {
 }  // namespace
 
 void runWatch(const WatchOptions& watch, const RenderOptions& render) {
+  std::signal(SIGPIPE, SIG_IGN);  // nobody reads any more: a failed write like any other, see flush()
   if (render.scene.empty()) throw InputError("the name of the scene is empty");
   WatchPlan plan;
   plan.scene = findScene(render.scene);

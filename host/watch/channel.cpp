@@ -17,7 +17,7 @@ struct Head {
   uint64_t kind, size;
 };
 
-constexpr size_t kPiece = 1 << 20;  // bytes that are received at once
+constexpr size_t kPiece = 1 << 18;  // bytes that are received at once; a line holds about that much
 
 // How many bytes were sent, fewer only if the other end is gone, or with MSG_DONTWAIT if it does not take more now.
 size_t sendBytes(int socket, std::string_view bytes, int flags) {

@@ -51,6 +51,7 @@ std::ptrdiff_t threadCount() {
   const rlimit noCore{0, 0};
   ::setrlimit(RLIMIT_CORE, &noCore);
   closeOthers(line);
+  if (::write(line, "", 1) != 1) ::_exit(1);  // it is bound to its parent from here on
   offerAsVictim();
   int code = 0;
   try {
@@ -80,6 +81,10 @@ Child::Child(const std::function<void(Channel&)>& work) {
   const int error = errno;
   ::close(its);
   if (process_ < 0) throw RunError(std::string("fork: ") + std::strerror(error));
+  // A child that was stopped before it is bound to this process would outlive it.
+  char ready = 0;
+  while (::read(mine, &ready, 1) < 0 && errno == EINTR) {
+  }
 }
 
 Child::~Child() {

@@ -112,8 +112,7 @@ double RendererProcess::limit() const {
 }
 
 double RendererProcess::patience() const {
-  const bool isLoading = step_ == Step::open || step_ == Step::scene;
-  return keepsScene_ && isLoading ? kNever : std::clamp(restartSeconds_, kPatience, kMostPatience);
+  return keepsScene_ && step_ == Step::scene ? kNever : std::clamp(restartSeconds_, kPatience, kMostPatience);
 }
 
 double RendererProcess::nextDecision() const {

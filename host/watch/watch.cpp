@@ -59,7 +59,8 @@ struct Attempt {
   std::optional<Refused> refused;       // and its endless loop is being looked for
   std::optional<SourcePlace> loop;
   Consequences told;
-  bool hasPicture = false;  // it is the last good version now
+  bool isPastCoarse = false;  // the next picture is the full one
+  bool hasPicture = false;    // it is the last good version now
 };
 
 bool haveSameSize(const Image& a, const Image& b) {
@@ -290,7 +291,7 @@ class Watching {
   bool awaitsFullPicture() const {
     const auto first = attempt_->answers.begin();
     const double soon = heldUntil() + kSoon;
-    return good_ && first->kind == Picture::kind && now() < soon &&
+    return good_ && first->kind == Picture::kind && !attempt_->isPastCoarse && now() < soon &&
            *attempt_->pictureCameAt + good_->told.trace < soon && !hasPictureIn(first + 1);
   }
 
@@ -318,6 +319,7 @@ class Watching {
   void look(Picture picture) {
     Consequences& told = attempt_->told;
     told.pipeline += picture.pipelineSeconds;
+    attempt_->isPastCoarse = true;
     if (picture.coarse) {
       if (hasPictureIn(attempt_->answers.begin())) return;  // the full one
       show(picture.image, told.scene, attempt_->version, true);
@@ -534,9 +536,9 @@ class Watching {
 }  // namespace
 
 void watch(const WatchPlan& plan, WatchListener& listener) {
-  // Whatever is as large as a kernel or a picture goes back to the system when it is freed, from the first on: glibc
-  // would by and by take such blocks from its heap, and leave holes there.
-  ::mallopt(M_MMAP_THRESHOLD, 64 << 10);
+  // Whatever is as large as a kernel or a picture goes back to the system when it is freed: glibc begins with this
+  // threshold, but would raise it by and by, take such blocks from its heap, and leave holes there.
+  ::mallopt(M_MMAP_THRESHOLD, 128 << 10);
   Watching(plan, listener).run();
 }
 

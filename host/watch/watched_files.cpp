@@ -1,5 +1,7 @@
 #include "watch/watched_files.h"
 
+#include <poll.h>
+
 #include <algorithm>
 #include <climits>
 #include <filesystem>
@@ -78,7 +80,14 @@ bool WatchedFiles::isKnownSource(const std::string& file) const {
          std::any_of(taken_.begin(), taken_.end(), isThis);
 }
 
+bool WatchedFiles::isWorthALook(double now) const {
+  pollfd event{descriptor(), POLLIN, 0};
+  return now >= lastLook_ + pollMilliseconds() * 1e-3 || (event.fd >= 0 && ::poll(&event, 1, 0) > 0);
+}
+
 void WatchedFiles::look(double now) {
+  if (!isWorthALook(now)) return;
+  lastLook_ = now;
   const std::vector<std::string> changes = watch_.takeChanges();
   if (changes.empty()) return;
   bool isChange = mistrusted_;

@@ -20,7 +20,8 @@ class WatchedFiles {
  public:
   WatchedFiles(std::string scene, const std::string& shaders);
 
-  // Looks whether anything has changed. Files that were saved without a change have not.
+  // Looks whether anything has changed, if it is worth to: the system says so, or the last look is long ago. Files that
+  // were saved without a change have not.
   void look(double now);
   // Whether there is a change that takeUp() has not seen, and time to take it up. One that was taken back is none.
   bool isDue(double now);
@@ -54,6 +55,7 @@ class WatchedFiles {
   std::vector<ShaderSource> readSources() const;
   std::vector<std::string> filesOfScene() const;
   bool isAsLoaded(const std::string& file) const;
+  bool isWorthALook(double now) const;
   bool isKnownSource(const std::string& file) const;
   void follow();
 
@@ -65,7 +67,7 @@ class WatchedFiles {
   std::vector<std::string> namedMeshes_;    // of a scene that cannot be loaded
   bool pending_ = false, mistrusted_ = false;
   bool otherChanged_ = false;  // a file that is neither the scene's nor among the sources
-  double firstChange_ = -kLongest, lastChange_ = 0;
+  double lastLook_ = 0, firstChange_ = -kLongest, lastChange_ = 0;
   uint64_t burst_ = 0, sceneEpoch_ = 1, takenEpoch_ = 0, loadedEpoch_ = 0;
 };
 

@@ -3,6 +3,7 @@
 // worker is that is heard of no more.
 #include "watch/worker.h"
 
+#include <malloc.h>
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -290,6 +291,10 @@ class Worker {
 }  // namespace
 
 void workForWatcher(Channel& line, const WatchPlan& plan) {
+  // Unlike the watcher's, its heap keeps what it has once got, as glibc would have it without being told: compilers
+  // take and free large blocks all the time.
+  ::mallopt(M_MMAP_THRESHOLD, 32 << 20);
+  ::mallopt(M_TRIM_THRESHOLD, 64 << 20);
   Worker worker(line, plan);
   try {
     while (const std::optional<Message> message = line.wait())
