@@ -34,17 +34,9 @@ std::string statsJson(const Stats& stats) {
       json.put("spheres", stats.spheres);
       json.put("triangles", stats.triangles);
     });
-    const auto putCounts = [&](const char* key, const RayCounts& counts) {
-      json.object(key, [&] {
-        json.put("eye", counts.eye);
-        json.put("reflected", counts.reflected);
-        json.put("refracted", counts.refracted);
-        json.put("shadow", counts.shadow);
-      });
-    };
-    putCounts("rays", stats.rays);
-    putCounts("nodes_visited", stats.visits.nodes);
-    putCounts("primitives_tested", stats.visits.primitives);
+    putCounts(json, "rays", stats.rays);
+    putCounts(json, "nodes_visited", stats.visits.nodes);
+    putCounts(json, "primitives_tested", stats.visits.primitives);
     json.object("seconds", [&] {
       json.put("load", stats.seconds.load);
       json.put("build", stats.seconds.build);

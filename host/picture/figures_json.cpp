@@ -18,4 +18,13 @@ void putFigures(JsonText& json, const Comparison& comparison) {
   json.put("height", comparison.height);
 }
 
+void putCounts(JsonText& json, const char* key, const RayCounts& counts) {
+  json.object(key, [&] {
+    json.put("eye", counts.eye);
+    json.put("reflected", counts.reflected);
+    json.put("refracted", counts.refracted);
+    json.put("shadow", counts.shadow);
+  });
+}
+
 }  // namespace turner

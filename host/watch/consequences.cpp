@@ -79,12 +79,12 @@ std::string codeLine(const Consequences& of) {
   return line("SPIR-V", text);
 }
 
-void putRays(JsonText& json, const char* key, const RayCounts& rays, const RayCounts& less) {
-  json.object(key, [&] {
-    json.put("eye", int64_t(rays.eye - less.eye));
-    json.put("reflected", int64_t(rays.reflected - less.reflected));
-    json.put("refracted", int64_t(rays.refracted - less.refracted));
-    json.put("shadow", int64_t(rays.shadow - less.shadow));
+void putChange(JsonText& json, const RayCounts& now, const RayCounts& before) {
+  json.object("rays_change", [&] {
+    json.put("eye", int64_t(now.eye - before.eye));
+    json.put("reflected", int64_t(now.reflected - before.reflected));
+    json.put("refracted", int64_t(now.refracted - before.refracted));
+    json.put("shadow", int64_t(now.shadow - before.shadow));
   });
 }
 
@@ -152,11 +152,11 @@ void putConsequences(JsonText& json, const Consequences& of) {
   putComparison(json, "to_last_good", of.toLastGood);
   putComparison(json, "to_reference", of.toReference);
   if (of.rays)
-    putRays(json, "rays", *of.rays, {});
+    putCounts(json, "rays", *of.rays);
   else
     json.putNull("rays");
   if (of.rays && of.lastGoodRays)
-    putRays(json, "rays_change", *of.rays, *of.lastGoodRays);
+    putChange(json, *of.rays, *of.lastGoodRays);
   else
     json.putNull("rays_change");
   json.object("spirv", [&] {

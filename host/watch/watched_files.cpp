@@ -22,6 +22,13 @@ bool haveSameTexts(const std::vector<ShaderSource>& a, const std::vector<ShaderS
                     [](const ShaderSource& x, const ShaderSource& y) { return x.path == y.path && x.text == y.text; });
 }
 
+// To read a larger file would take longer than to load the scene once too often.
+bool isSmall(const std::string& file) {
+  constexpr uintmax_t kMostBytes = 16 << 20;
+  std::error_code ignored;
+  return fs::is_regular_file(file, ignored) && fs::file_size(file, ignored) <= kMostBytes;
+}
+
 // Whatever a scene's text calls a "file", whether the rest of it can be read or not.
 std::vector<std::string> namedFiles(const std::string& text) {
   std::vector<std::string> names;
@@ -62,11 +69,8 @@ void WatchedFiles::follow() {
   watch_.follow(files);
 }
 
-// To read a larger file would take longer than to load the scene once too often.
 bool WatchedFiles::isAsLoaded(const std::string& file) const try {
-  constexpr uintmax_t kMostBytes = 16 << 20;
-  std::error_code ignored;
-  if (isSceneStale() || !fs::is_regular_file(file, ignored) || fs::file_size(file, ignored) > kMostBytes) return false;
+  if (isSceneStale() || !isSmall(file)) return false;
   const std::vector<std::string> files = filesOf(scene_, loaded_);
   const size_t number = size_t(std::find(files.begin(), files.end(), file) - files.begin());
   return number < loaded_.size() && sha256Hex(readTextFile(file)) == loaded_[number].sha256;
@@ -82,15 +86,27 @@ bool WatchedFiles::isKnownSource(const std::string& file) const {
 
 bool WatchedFiles::isWorthALook(double now) const {
   pollfd event{descriptor(), POLLIN, 0};
-  return now >= lastLook_ + pollMilliseconds() * 1e-3 || (event.fd >= 0 && ::poll(&event, 1, 0) > 0);
+  return loadedOther_ || now >= lastLook_ + pollMilliseconds() * 1e-3 || (event.fd >= 0 && ::poll(&event, 1, 0) > 0);
+}
+
+// A file that is followed for the first time may have changed after it was read.
+void WatchedFiles::readAndFollow() {
+  for (std::vector<ShaderSource> before; before.empty() || !haveSameTexts(before, seen_); follow()) {
+    before = std::move(seen_);
+    seen_ = readSources();
+  }
 }
 
 void WatchedFiles::look(double now) {
   if (!isWorthALook(now)) return;
   lastLook_ = now;
   const std::vector<std::string> changes = watch_.takeChanges();
-  if (changes.empty()) return;
+  if (changes.empty() && !loadedOther_) return;
   bool isChange = mistrusted_;
+  if (std::exchange(loadedOther_, false)) {
+    ++sceneEpoch_;
+    isChange = true;
+  }
   const std::vector<std::string> sceneFiles = filesOfScene();
   for (const std::string& file : changes) {
     if (std::find(sceneFiles.begin(), sceneFiles.end(), file) != sceneFiles.end()) {
@@ -101,10 +117,9 @@ void WatchedFiles::look(double now) {
       otherChanged_ = isChange = true;
     }
   }
-  std::vector<ShaderSource> sources = readSources();
-  isChange |= !haveSameTexts(sources, seen_);
-  seen_ = std::move(sources);
-  follow();
+  const std::vector<ShaderSource> before = seen_;
+  readAndFollow();
+  isChange |= !haveSameTexts(before, seen_);
   if (!isChange) return;
   if (now >= quietUntil()) {
     ++burst_;
@@ -123,10 +138,8 @@ bool WatchedFiles::isDue(double now) {
 std::vector<ShaderSource> WatchedFiles::takeUp() {
   pending_ = mistrusted_ = otherChanged_ = false;
   takenEpoch_ = sceneEpoch_;
-  // Followed, then read: no change falls between.
-  seen_ = readSources();
-  follow();
-  taken_ = seen_ = readSources();
+  readAndFollow();
+  taken_ = seen_;
   return taken_;
 }
 
@@ -135,10 +148,16 @@ double WatchedFiles::quietUntil() const {
 }
 
 void WatchedFiles::sceneWasLoaded(uint64_t epoch, const std::vector<SourceFile>& sources) {
+  const std::vector<std::string> before = filesOfScene();
   loadedEpoch_ = epoch;
   loaded_ = sources;
   namedMeshes_.clear();
   follow();
+  // A mesh that was not followed before may have changed since it was loaded.
+  const std::vector<std::string> files = filesOf(scene_, loaded_);
+  loadedOther_ = !isSceneStale() && std::any_of(files.begin() + 1, files.end(), [&](const std::string& file) {
+    return std::find(before.begin(), before.end(), file) == before.end() && isSmall(file) && !isAsLoaded(file);
+  });
 }
 
 void WatchedFiles::sceneWasRefused() try {

@@ -57,6 +57,7 @@ class WatchedFiles {
   bool isAsLoaded(const std::string& file) const;
   bool isWorthALook(double now) const;
   bool isKnownSource(const std::string& file) const;
+  void readAndFollow();
   void follow();
 
   std::string scene_, kernel_;  // paths
@@ -66,6 +67,7 @@ class WatchedFiles {
   std::vector<SourceFile> loaded_;          // the scene's files when it was last loaded
   std::vector<std::string> namedMeshes_;    // of a scene that cannot be loaded
   bool pending_ = false, mistrusted_ = false;
+  bool loadedOther_ = false;   // a mesh has changed since it was loaded, before it was followed
   bool otherChanged_ = false;  // a file that is neither the scene's nor among the sources
   double lastLook_ = 0, firstChange_ = -kLongest, lastChange_ = 0;
   uint64_t burst_ = 0, sceneEpoch_ = 1, takenEpoch_ = 0, loadedEpoch_ = 0;
