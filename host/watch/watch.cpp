@@ -127,6 +127,10 @@ class Watching {
       attempt_.reset();
     }
     if (!renderer_.isPreparing() || files_.isSceneStale()) renderer_.cancel(now(), !files_.isSceneStale());
+    // What waits for the worker to give up may itself be overtaken.
+    if (waitingBurst_ && *waitingBurst_ != files_.burst())
+      listener_.onSuperseded(std::exchange(repeatsVersion_, false) ? lastVersion_ : ++lastVersion_);
+    waitingBurst_ = files_.burst();
     if (!renderer_.isBusy()) begin();
   }
 
@@ -137,6 +141,7 @@ class Watching {
 
   void begin() {
     Attempt& attempt = attempt_.emplace();
+    waitingBurst_.reset();
     if (!std::exchange(repeatsVersion_, false)) ++lastVersion_;
     attempt.version = lastVersion_;
     attempt.burst = files_.burst();
@@ -527,8 +532,9 @@ class Watching {
   int lastVersion_ = 0;
   std::optional<Attempt> attempt_;
   bool hadAttempt_ = false;
-  bool repeatsVersion_ = false;        // the next attempt is of the same version
-  std::optional<double> unseenSince_;  // attempts have come to nothing, because of newer saves
+  bool repeatsVersion_ = false;           // the next attempt is of the same version
+  std::optional<uint64_t> waitingBurst_;  // of the change that waits for the worker
+  std::optional<double> unseenSince_;     // attempts have come to nothing, because of newer saves
   std::optional<Good> good_;
   bool showsGood_ = false;  // the pictures on disk are those of the last good version
 };
