@@ -41,9 +41,9 @@ TEST(KeptVersions, HaveAllThatOneNeedsToGoBack) {
   const test::TemporaryFolder folder;
   const std::string kept = keepVersion(folder.path.string(), 7, someVersion());
   EXPECT_EQ(kept, (folder.path / "0007").string());
-  EXPECT_THAT(filesBelow(kept), testing::UnorderedElementsAre("shaders/whitted.comp", "shaders/shade.glsl",
-                                                              "shaders/parts/a.glsl", "common.glsl", "outside/4/far.glsl",
-                                                              "scene/scene.json", "picture.exr", "figures.json"));
+  EXPECT_THAT(filesBelow(kept), testing::UnorderedElementsAre(
+                                    "shaders/whitted.comp", "shaders/shade.glsl", "shaders/parts/a.glsl", "common.glsl",
+                                    "outside/4/far.glsl", "scene/scene.json", "picture.exr", "figures.json"));
   EXPECT_EQ(readTextFile(kept + "/shaders/parts/a.glsl"), "a part");
   keepFigures(kept, "better figures");
   EXPECT_EQ(readTextFile(kept + "/figures.json"), "better figures");
