@@ -8,8 +8,30 @@ import json
 import os
 import pathlib
 import shutil
+import signal
 import subprocess
 import tempfile
+
+
+def watch_a_copy(program, folder, shaders):
+    """Copies the installed shaders, edits the copy while it is watched, and ends by Ctrl-C."""
+    copied = subprocess.run([program, "shaders", "--copy", "my"], cwd=folder, check=True, stdout=subprocess.PIPE,
+                            text=True)
+    assert shaders in copied.stdout, copied.stdout
+    command = [program, "watch", "scenes/spheres.json", "--shaders", "my", "--width", "32", "--height", "18", "--json"]
+    watching = subprocess.Popen(command, cwd=folder, stdout=subprocess.PIPE, text=True)
+    try:
+        for version in (1, 2):
+            told = next(e for e in map(json.loads, watching.stdout) if e["event"] in ("version", "refused"))
+            assert told["event"] == "version" and told["version"] == version, told
+            source = folder / "my" / "shade.glsl"
+            source.write_text(source.read_text().replace("float q = 0.5", "float q = 0.1"))
+        assert told["changed"] == ["shade.glsl"] and told["changed_pixels"] > 0, told
+        watching.send_signal(signal.SIGINT)
+        assert watching.wait(timeout=60) == 130, watching.returncode
+    finally:
+        watching.kill()
+        watching.wait()
 
 
 def main():
@@ -30,6 +52,8 @@ def main():
         assert os.path.getsize(elsewhere / "spheres.exr") > 0
         json.loads((prefix / "share/turner/scenes/scene.schema.json").read_text())
 
+        watch_a_copy(program, elsewhere, str(prefix / "share/turner/shaders"))
+
         # Without its own shaders it must not pass silently to others': it falls back to the source tree it was built
         # from, and says what is wrong when an explicit folder is empty.
         refused = subprocess.run([program, "render", "scenes/spheres.json", "--shaders", str(elsewhere)],
@@ -37,7 +61,7 @@ def main():
         assert refused.returncode == 2 and "whitted.comp" in refused.stderr, refused
     finally:
         shutil.rmtree(folder)
-    print("installed, found its shaders and scenes, rendered")
+    print("installed, found its shaders and scenes, rendered, watched")
 
 
 main()

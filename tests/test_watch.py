@@ -1190,6 +1190,7 @@ class Kept(Session):
         with self.watch("--keep", "kept", preexec_fn=without_superpowers) as w:
             w.picture()
             w.figures()
+            w.wait("reference")  # it changes the figures once more
             shutil.rmtree(self.path("kept"))
             self.path("kept").write_text("a file")
             self.edit("shade.glsl", SHADE, HALF)
@@ -1650,7 +1651,7 @@ class Mutations(Session):
     def check_picture(self, w, event, what):
         """Whole, and that of the last good version."""
         if event["event"] == "picture":
-            self.good = self.exr()
+            self.good, self.good_version = self.exr(), w.version
             self.assertEqual(Exr(self.path("out.exr")).width, BALL["width"], what)
         else:
             self.assertEqual(self.exr(), self.good, f"{what}: the last good picture is gone\n{event}")
@@ -1670,19 +1671,23 @@ class Mutations(Session):
             w.figures()
             w.wait("reference")
             original = self.good = self.exr()
+            self.good_version = w.version
             for edit in range(1, MUTATIONS + 1):
                 # Mostly of one file at a time, sometimes of what was mutated before.
-                stacked = self.chance.random() < 0.3
+                stacked, interrupted = self.chance.random() < 0.3, self.chance.random() < 0.1
+                if interrupted and self.good_version == w.version:
+                    w.figures()  # nothing else is in work that could unite two saves
                 what, changed = self.mutate_one()
                 what = f"edit {edit}, seed {self.SEED}: {what}"
                 if not stacked:
                     name = what.rpartition(" ")[2]
                     changed |= self.restore(n for n in self.original if n != name)
-                if changed and self.chance.random() < 0.1:
+                if changed and interrupted:
                     # A newer save comes in between.
                     version = w.version + 1
                     time.sleep(self.chance.uniform(0.3, 1))
-                    self.save("cube.glsl", self.source("cube.glsl").read_bytes() + b"// %d\n" % edit)
+                    # Of the one file that is always among the sources: the mutation may have dropped an include.
+                    self.save("whitted.comp", self.source("whitted.comp").read_bytes() + b"\n// %d\n" % edit)
                     event = w.wait("picture", "refused", version=version + 1)
                     w.version = version + 1
                     self.check_picture(w, event, what)
@@ -1690,8 +1695,9 @@ class Mutations(Session):
                     self.check_picture(w, w.outcome(), what)
                 if edit % self.RESTORES == 0 or edit == MUTATIONS:
                     if self.restore(self.original):
-                        event = w.picture()
+                        w.picture()
                         w.figures()
+                        self.good_version = w.version
                     self.assertEqual(self.exr(), original, what)
                     self.good = original
                     self.take_memory(w)
