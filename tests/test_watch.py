@@ -1706,8 +1706,12 @@ class Mutations(Session):
             self.report(time.monotonic() - started)
 
     def report(self, seconds):
+        # Single values vary by some hundred KiB with what is held at the moment: medians, after a warm-up and at the end.
         first = min(len(self.memory) - 1, max(1, MUTATIONS // 20 // self.RESTORES))
-        (rss, *parts), (last_rss, *last_parts) = self.memory[first], self.memory[-1]
+        window = max(1, min(5, len(self.memory) // 4))
+        middle = lambda values: [int(statistics.median(column)) for column in zip(*values)]
+        rss, *parts = middle(self.memory[first : first + window])
+        last_rss, *last_parts = middle(self.memory[-window:])
         told = ", ".join(f"{name} {count}" for name, count in sorted(self.outcomes.items()))
         print(
             f"\n{MUTATIONS} edits in {seconds:.0f} s: {told}\n"

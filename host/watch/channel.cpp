@@ -60,6 +60,7 @@ void Channel::post(uint32_t kind, std::string_view bytes) {
 
 void Channel::sendRest() {
   rest_.erase(0, sendBytes(socket_.number, rest_, MSG_DONTWAIT));
+  if (rest_.empty()) rest_ = std::string();  // without the room of a kernel
 }
 
 // Reads until there is nothing for the moment, or, where it waits, until a message is whole.
