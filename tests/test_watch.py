@@ -1688,7 +1688,12 @@ class Mutations(Session):
                     time.sleep(self.chance.uniform(0.3, 1))
                     # Of the one file that is always among the sources: the mutation may have dropped an include.
                     self.save("whitted.comp", self.source("whitted.comp").read_bytes() + b"\n// %d\n" % edit)
-                    event = w.wait("picture", "refused", version=version + 1)
+                    event = w.wait("picture", "refused", version=version + 1, seconds=10, must=False)
+                    if not event:
+                        # Where the disk holds the watcher up for as long as between the two saves, they are one to it.
+                        self.outcomes["two saves seen as one"] += 1
+                        self.save("whitted.comp", self.source("whitted.comp").read_bytes() + b"\n// once more\n")
+                        event = w.wait("picture", "refused", version=version + 1)
                     w.version = version + 1
                     self.check_picture(w, event, what)
                 elif changed:
@@ -1720,6 +1725,7 @@ class Mutations(Session):
             file=sys.stderr,
         )
         self.assertLessEqual(last_rss, rss * (1 + self.GROWTH), "the watcher's memory grows")
+        self.assertLessEqual(self.outcomes["two saves seen as one"], 1 + MUTATIONS // 200, "saves are lost")
 
 
 def main():
