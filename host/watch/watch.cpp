@@ -232,13 +232,14 @@ class Watching {
     if (!fault.empty()) return trouble(good_->version, "no reference: " + fault);
     compareWithReference(good_->told);
     if (!good_->told.toReference) return;
+    if (!good_->told.kept.empty()) keepFiguresAgain();
     listener_.onReference(good_->version, *good_->told.toReference);
-    if (good_->told.kept.empty()) return;
-    try {
-      keepFigures(good_->told.kept, figuresJson(good_->told));
-    } catch (const RunError& error) {
-      trouble(good_->version, error.what());
-    }
+  }
+
+  void keepFiguresAgain() try {
+    keepFigures(good_->told.kept, figuresJson(good_->told));
+  } catch (const RunError& error) {
+    trouble(good_->version, error.what());
   }
 
   void compareWithReference(Consequences& told) const {
