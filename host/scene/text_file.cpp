@@ -49,12 +49,16 @@ std::string readTextFile(const std::string& path) {
   }
 }
 
-std::string readRegularFile(const std::string& path) {
+void refusePipe(const std::string& path) {
   std::error_code ignored;
   const std::filesystem::file_status status = std::filesystem::status(path, ignored);
   if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status) &&
       !std::filesystem::is_directory(status))
     throw InputError(path + ": error: is not a regular file");
+}
+
+std::string readRegularFile(const std::string& path) {
+  refusePipe(path);
   return readTextFile(path);
 }
 

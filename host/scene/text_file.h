@@ -9,7 +9,8 @@ namespace turner {
 // All bytes of a file. Throws InputError naming the path and the system's reason.
 std::string readTextFile(const std::string& path);
 // The same, for a file that another file names or that is read again: at a pipe, for which one would have to wait, it
-// throws InputError too.
+// throws InputError too. The first only looks.
+void refusePipe(const std::string& path);
 std::string readRegularFile(const std::string& path);
 
 // ".json" of "a/Scene.JSON": what tells a file's kind, in lower case; empty where there is none.

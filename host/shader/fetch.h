@@ -15,6 +15,11 @@ inline constexpr uint32_t kRowBytes = 16;
 // "texels", "buffers" or "addresses".
 std::string fetchName(Fetch fetch);
 
+// How many bindings a kernel has, and which of them are storage texel buffers; all others are storage buffers. By
+// address it has none for rows.
+uint32_t bindingCount(Fetch fetch);
+bool bindsTexels(uint32_t binding, Fetch fetch);
+
 // What compileGlsl reads before the kernel.
 std::string fetchPreamble(Fetch fetch);
 

@@ -191,14 +191,6 @@ constexpr bool areInOrder(const Entry (&entries)[n], uint32_t Entry::*number) {
 }
 static_assert(areInOrder(kBindings, &HostBinding::binding) && areInOrder(kConstants, &HostConstant::id));
 
-uint32_t hostBindings(Fetch fetch) {
-  return fetch == Fetch::addresses ? gpu::kBindNodes : gpu::kBindCount;
-}
-
-bool bindsTexels(uint32_t binding, Fetch fetch) {
-  return fetch == Fetch::texels && binding >= gpu::kBindNodes;
-}
-
 // What every Vulkan 1.2 device takes without a feature having been asked for; operations of subgroups are properties of
 // the device, not features.
 bool isOpenCapability(uint32_t capability, Fetch fetch) {
@@ -563,7 +555,7 @@ void KernelCheck::checkResource(uint32_t variable, const Resource& resource, uin
                                      "; turner binds set 0 only; leave the set away");
   const uint32_t* const place = module.decoration(variable, kBinding);
   if (!place) return addOf(resource.names, name + " has no binding; write layout(binding = ...) with one of layout.h");
-  const uint32_t count = hostBindings(fetch);
+  const uint32_t count = bindingCount(fetch);
   if (*place >= count)
     return addOf(resource.names, name + " has binding " + std::to_string(*place) + "; turner binds 0 to " +
                                      std::to_string(count - 1) + " where rows are fetched as " + fetchName(fetch) +

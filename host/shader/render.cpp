@@ -63,13 +63,8 @@ struct Pipeline {
 
 static_assert(gpu::kBindCount - gpu::kBindNodes == kRowArrays && sizeof(gpu::Row) == kRowBytes);
 
-// By address the kernel has no bindings for rows.
 vk::DescriptorType bindingType(uint binding, Fetch fetch) {
-  return binding >= gpu::kBindNodes && fetch == Fetch::texels ? vk::DescriptorType::eStorageTexelBuffer
-                                                              : vk::DescriptorType::eStorageBuffer;
-}
-uint bindingCount(Fetch fetch) {
-  return fetch == Fetch::addresses ? gpu::kBindNodes : gpu::kBindCount;
+  return bindsTexels(binding, fetch) ? vk::DescriptorType::eStorageTexelBuffer : vk::DescriptorType::eStorageBuffer;
 }
 
 vk::raii::DescriptorSetLayout makeSetLayout(const Device& device, Fetch fetch) {

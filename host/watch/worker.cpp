@@ -104,7 +104,7 @@ class Worker {
   // --- the scene ---
 
   Scene loadSceneFile() const {
-    readRegularFile(plan_.scene);  // not a pipe, at which a worker would wait without an end
+    refusePipe(plan_.scene);  // at which a worker would wait without an end
     return turner::loadScene(plan_.scene);
   }
 
