@@ -188,10 +188,11 @@ std::vector<BenchScene> defaultScenes(size_t maxTriangles) {
   const auto addFile = [&](const std::filesystem::path& path) {
     scenes.push_back({path.filename().string(), path.string()});
   };
-  const std::filesystem::path shared = TURNER_SHARED_SCENES_DIR;
+  const std::filesystem::path ours = TURNER_SCENES_DIR;
   for (const char* name : {"balls", "gears", "mount", "rings", "teapot"})
-    addFile(shared / "spd" / (std::string(name) + ".nff"));
-  for (const char* name : {"spot", "stanford-bunny"}) addFile(shared / "meshes" / (std::string(name) + ".obj"));
+    addFile(ours / "spd" / (std::string(name) + ".nff"));
+  addFile(ours / "spot.obj");
+  addFile(TURNER_BENCH_DIR "/meshes/stanford-bunny.obj");
   std::vector<std::filesystem::path> own;
   for (const auto& entry : std::filesystem::directory_iterator(TURNER_SCENES_DIR)) {
     const std::filesystem::path& path = entry.path();
@@ -208,22 +209,10 @@ std::vector<BenchScene> defaultScenes(size_t maxTriangles) {
   return scenes;
 }
 
-// Leaves out, and says so, what is not on this machine: the shared scenes are no part of the repository.
-std::vector<BenchScene> presentScenes(const std::vector<BenchScene>& scenes) {
-  std::vector<BenchScene> present;
-  for (const BenchScene& scene : scenes) {
-    if (scene.file.empty() || std::filesystem::exists(scene.file))
-      present.push_back(scene);
-    else
-      fmt::print("left out: there is no {}\n", scene.file);
-  }
-  return present;
-}
-
 // The scenes that the user names: by file name, with or without extension, or by path.
 std::vector<BenchScene> chooseScenes(const Options& options) {
   std::vector<BenchScene> known = defaultScenes(options.scenes.empty() ? options.maxTriangles : 10'000'000);
-  if (options.scenes.empty()) return presentScenes(known);
+  if (options.scenes.empty()) return known;
   std::vector<BenchScene> chosen;
   for (const std::string& wanted : options.scenes) {
     const size_t before = chosen.size();
@@ -299,13 +288,6 @@ std::pair<std::string, int> outputOf(const std::string& command) {
   return {text, WIFEXITED(status) ? WEXITSTATUS(status) : 1};
 }
 
-bool hasCones(const std::string& nff) {
-  std::ifstream file(nff);
-  for (std::string line; std::getline(file, line);)
-    if (line == "c" || line.starts_with("c ")) return true;
-  return false;
-}
-
 // "Trace Time: 0 hours 0 minutes 1 seconds (1.234 seconds)": the number in brackets.
 std::optional<double> traceTimeOf(const std::string& statistics) {
   const size_t line = statistics.find("Trace Time:");
@@ -316,11 +298,9 @@ std::optional<double> traceTimeOf(const std::string& statistics) {
 }
 
 PovRay measurePovRay(const BenchScene& scene, const RenderSettings& settings, int runs) {
-  const std::filesystem::path converter = TURNER_SHARED_TOOLS_DIR "/nff_to_pov.py";
+  const std::filesystem::path converter = TURNER_BENCH_DIR "/nff_to_pov.py";
   if (std::filesystem::path(scene.file).extension() != ".nff") return {{}, "not an NFF scene"};
-  if (!std::filesystem::exists(converter)) return {{}, converter.string() + " is not there"};
   if (outputOf("command -v povray").second != 0) return {{}, "POV-Ray is not installed"};
-  if (hasCones(scene.file)) return {{}, "the converter leaves out cones"};
   const TemporaryFolder folder;
   const std::string source = (folder.path / "scene.pov").string();
   const auto [complaint, converted] = outputOf(fmt::format("python3 {} {} {} > {}", quoted(converter.string()),

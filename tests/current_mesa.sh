@@ -108,11 +108,6 @@ mount -t proc proc "$root/proc"
 mount --rbind /dev "$root/dev"
 mount_folder /tmp
 mount_folder "$checkout"
-if [ -d "$checkout/../shared" ]; then
-  shared=$(cd "$checkout/../shared" && pwd -P)
-  mount_folder "$shared"
-  mount -o remount,bind,ro "$root$shared"
-fi
 
 export HOME=/root LC_ALL=C.UTF-8 PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin
 export TURNER_DEVICE="${TURNER_DEVICE:-llvmpipe}"

@@ -6,7 +6,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <glm/geometric.hpp>
-#include <iostream>
 #include <random>
 #include <string>
 #include <vector>
@@ -16,10 +15,6 @@
 #include "loading_speed.h"
 #include "scene/scene_nff.h"
 #include "scene/text_file.h"
-
-#ifndef TURNER_SHARED_SCENES_DIR
-#define TURNER_SHARED_SCENES_DIR "../shared/scenes"
-#endif
 
 namespace turner {
 namespace {
@@ -388,16 +383,12 @@ TEST(Nff, LargeFilesAreReadFast) {
   EXPECT_LT(ratio, test::kMostTimeBesideSumming);
 }
 
-TEST(Nff, SharedScenesHaveTheirPublishedCounts) {
+TEST(Nff, SpdScenesHaveTheirPublishedCounts) {
   struct Expected {
     const char* file;
     size_t lights, spheres, triangles, smooth;
   };
-  const std::filesystem::path folder = std::filesystem::path(TURNER_SHARED_SCENES_DIR) / "spd";
-  if (!std::filesystem::exists(folder)) {
-    std::cout << "the folder of the SPD scenes is absent: their counts are not checked\n";
-    return;
-  }
+  const std::filesystem::path folder = std::filesystem::path(TURNER_SCENES_DIR) / "spd";
   // The rings' cylinders are 14.8 radii long: four pieces each.
   const size_t strip = 4 * 2 * kConeSegments;
   for (const Expected& expected : {Expected{"balls.nff", 3, 7381, 2, 0},

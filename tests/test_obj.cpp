@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <iostream>
 #include <random>
 #include <string>
 
@@ -13,10 +11,6 @@
 #include "loading_speed.h"
 #include "scene/mesh_obj.h"
 #include "scene/text_file.h"
-
-#ifndef TURNER_SHARED_SCENES_DIR
-#define TURNER_SHARED_SCENES_DIR "../shared/scenes"
-#endif
 
 namespace turner {
 namespace {
@@ -219,19 +213,15 @@ TEST(Obj, LargeFilesAreReadFast) {
   EXPECT_LT(ratio, test::kMostTimeBesideSumming);
 }
 
-TEST(Obj, SharedMeshesHaveTheirCounts) {
-  const std::filesystem::path folder = std::filesystem::path(TURNER_SHARED_SCENES_DIR) / "meshes";
-  if (!std::filesystem::exists(folder)) {
-    std::cout << "the folder of the shared meshes is absent: their counts are not checked\n";
-    return;
-  }
+TEST(Obj, RealMeshesHaveTheirCounts) {
   struct Expected {
     const char* file;
     size_t positions, faces;
   };
-  for (const Expected& expected : {Expected{"spot.obj", 2930, 5856}, {"stanford-bunny.obj", 35947, 69451}}) {
+  for (const Expected& expected : {Expected{TURNER_SCENES_DIR "/spot.obj", 2930, 5856},
+                                   {TURNER_BENCH_DIR "/meshes/stanford-bunny.obj", 35947, 69451}}) {
     SCOPED_TRACE(expected.file);
-    const Mesh mesh = parseObj(expected.file, readTextFile((folder / expected.file).string()));
+    const Mesh mesh = parseObj(expected.file, readTextFile(expected.file));
     EXPECT_EQ(mesh.positions.size(), expected.positions);
     EXPECT_EQ(mesh.faces.size(), expected.faces);
   }

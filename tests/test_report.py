@@ -403,8 +403,8 @@ class Slopes(InFolder):
     SCENES = {
         "spheres": ("scenes/spheres.json", 240, "56,3,184,131", 6),
         "glass": ("scenes/glass.json", 160, "16,16,144,144", 6),
-        "balls": ("../shared/scenes/spd/balls.nff", 512, "192,192,320,320", 8),
-        "gears": ("../shared/scenes/spd/gears.nff", 512, "192,192,320,320", 6),
+        "balls": ("scenes/spd/balls.nff", 512, "192,192,320,320", 8),
+        "gears": ("scenes/spd/gears.nff", 512, "192,192,320,320", 6),
         "cliff_hanger": ("scenes/cliff_hanger.json", 240, "56,3,184,131", 6),
     }
 

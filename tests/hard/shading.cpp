@@ -469,8 +469,7 @@ std::vector<std::pair<std::string, std::string>> textsToDamage() {
   std::vector<std::pair<std::string, std::string>> texts;
   for (const std::string kind : {"json", "nff", "obj"}) texts.emplace_back(kind, soundText(kind));
   constexpr size_t kMost = 20'000, kBeginning = 4'000;
-  for (const std::string folder : {TURNER_SCENES_DIR, TURNER_SHARED_SCENES_DIR "/spd"}) {
-    if (!std::filesystem::is_directory(folder)) continue;
+  for (const std::string folder : {TURNER_SCENES_DIR, TURNER_SCENES_DIR "/spd"}) {
     for (const auto& entry : std::filesystem::directory_iterator(folder)) {
       const std::string extension = entry.path().extension().string();
       if (extension != ".json" && extension != ".nff" && extension != ".obj") continue;
