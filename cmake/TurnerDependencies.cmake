@@ -19,9 +19,3 @@ pkg_check_modules(GEOS REQUIRED IMPORTED_TARGET geos)
 pkg_check_modules(NETTLE REQUIRED IMPORTED_TARGET nettle)
 find_path(RAPIDJSON_INCLUDE_DIR rapidjson/reader.h REQUIRED)
 find_path(CLI11_INCLUDE_DIR CLI/CLI.hpp REQUIRED)
-
-add_library(turner_dependencies INTERFACE)
-target_include_directories(turner_dependencies SYSTEM INTERFACE ${RAPIDJSON_INCLUDE_DIR} ${CLI11_INCLUDE_DIR})
-target_link_libraries(turner_dependencies INTERFACE
-  Threads::Threads Vulkan::Vulkan glslang::glslang glslang::SPIRV glslang::glslang-default-resource-limits
-  SPIRV-Tools-opt glm::glm OpenEXR::OpenEXR PNG::PNG fmt::fmt embree PkgConfig::GEOS PkgConfig::NETTLE)

@@ -8,9 +8,9 @@
 #include <new>
 #include <string>
 
+#include "base/errors.h"
 #include "command/commands.h"
 #include "command/interrupt.h"
-#include "errors.h"
 
 namespace {
 

@@ -9,9 +9,9 @@
 #include <type_traits>
 #include <utility>
 
-#include "errors.h"
-#include "scene/faults.h"
-#include "scene/number.h"
+#include "base/diagnostics.h"
+#include "base/errors.h"
+#include "base/number.h"
 
 namespace turner {
 namespace {

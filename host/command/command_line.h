@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "picture/compare.h"
-#include "picture/settings.h"
+#include "image/compare.h"
+#include "image/settings.h"
+#include "kernel/buffer_access.h"
 #include "scene/scene.h"
-#include "shader/fetch.h"
 
 namespace turner {
 

@@ -4,9 +4,9 @@
 
 #include <filesystem>
 
+#include "base/errors.h"
 #include "command/commands.h"
 #include "command/data_folder.h"
-#include "errors.h"
 
 namespace turner {
 

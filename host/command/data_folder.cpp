@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "errors.h"
+#include "base/errors.h"
 
 namespace turner {
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "shader/devices.h"
+#include "gpu/devices.h"
 
 namespace turner {
 

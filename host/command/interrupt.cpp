@@ -3,7 +3,7 @@
 
 #include <csignal>
 
-#include "errors.h"
+#include "base/errors.h"
 
 namespace turner {
 namespace {

@@ -3,10 +3,10 @@
 
 #include <filesystem>
 
-#include "errors.h"
-#include "picture/output_file.h"
-#include "picture/png.h"
-#include "scene/text_file.h"
+#include "base/errors.h"
+#include "base/output_file.h"
+#include "base/text_file.h"
+#include "image/png.h"
 
 namespace turner {
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "picture/exr.h"
-#include "picture/image.h"
+#include "image/exr.h"
+#include "image/image.h"
 
 namespace turner {
 

@@ -4,7 +4,7 @@
 #include <chrono>
 #include <string>
 
-#include "picture/settings.h"
+#include "image/settings.h"
 
 namespace turner {
 

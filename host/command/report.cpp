@@ -12,22 +12,23 @@
 #include <optional>
 #include <thread>
 
+#include "base/errors.h"
+#include "base/output_file.h"
+#include "base/text_file.h"
 #include "command/commands.h"
 #include "command/data_folder.h"
 #include "command/interrupt.h"
 #include "command/progress_line.h"
-#include "errors.h"
-#include "picture/exr.h"
-#include "picture/output_file.h"
+#include "image/exr.h"
+#include "kernel/buffer_access.h"
+#include "kernel/compile.h"
 #include "report/measure.h"
 #include "report/page.h"
 #include "report/tables.h"
 #include "scene/scene_load.h"
-#include "scene/text_file.h"
-#include "shader/fetch.h"
-#include "shader/glsl.h"
 
 namespace turner {
+using namespace report;
 namespace {
 
 namespace fs = std::filesystem;

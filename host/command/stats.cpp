@@ -1,9 +1,9 @@
 // One JSON object for each function, its keys in the order of the contract.
 #include "command/stats.h"
 
-#include "json_text.h"
-#include "picture/figures_json.h"
-#include "picture/provenance.h"
+#include "base/json_writer.h"
+#include "image/figures_json.h"
+#include "image/provenance.h"
 
 namespace turner {
 

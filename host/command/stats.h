@@ -5,13 +5,13 @@
 #include <string>
 #include <vector>
 
-#include "command/decompose.h"
-#include "picture/compare.h"
-#include "picture/envelope.h"
-#include "picture/settings.h"
+#include "gpu/devices.h"
+#include "gpu/renderer.h"
+#include "image/compare.h"
+#include "image/envelope.h"
+#include "image/error_analysis.h"
+#include "image/settings.h"
 #include "scene/scene.h"
-#include "shader/devices.h"
-#include "shader/render.h"
 
 namespace turner {
 

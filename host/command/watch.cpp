@@ -9,18 +9,19 @@
 #include <optional>
 #include <utility>
 
+#include "base/errors.h"
+#include "base/output_file.h"
 #include "command/commands.h"
 #include "command/data_folder.h"
 #include "command/device_choice.h"
 #include "command/interrupt.h"
 #include "command/outputs.h"
 #include "command/progress_line.h"
-#include "errors.h"
-#include "picture/output_file.h"
-#include "shader/round_scene.h"
+#include "geometry/round_scene.h"
 #include "watch/watch.h"
 
 namespace turner {
+using namespace watch;
 namespace {
 
 const char* stepName(Step step) {
@@ -263,7 +264,7 @@ void runWatch(const WatchOptions& watch, const RenderOptions& render) {
 
   const std::unique_ptr<WatchListener> listener = watch.json ? std::unique_ptr<WatchListener>(new JsonListener(plan))
                                                              : std::make_unique<TextListener>(plan, render.quiet);
-  turner::watch(plan, *listener);
+  watch::watch(plan, *listener);
 }
 
 }  // namespace turner

@@ -34,10 +34,10 @@
 #include <utility>
 #include <vector>
 
-#include "cores.h"
-#include "errors.h"
+#include "base/errors.h"
+#include "base/threads.h"
+#include "geometry/nested_dielectrics.h"
 #include "reference/reference_tree.h"
-#include "scene/solids.h"
 
 namespace turner {
 namespace {

@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "picture/envelope.h"
-#include "picture/image.h"
-#include "picture/settings.h"
+#include "image/envelope.h"
+#include "image/image.h"
+#include "image/settings.h"
 #include "scene/scene.h"
 
 namespace turner {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace turner {
+namespace turner::report {
 namespace {
 
 constexpr double kWidth = 860, kLeastHeight = 430;
@@ -258,4 +258,4 @@ std::string svgOf(const Chart& chart) {
   return Drawing(chart, x, y, height).draw();
 }
 
-}  // namespace turner
+}  // namespace turner::report

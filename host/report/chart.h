@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace turner {
+namespace turner::report {
 
 struct Mark {
   double x = 1, y = 1;  // > 0; others are not drawn
@@ -40,4 +40,4 @@ std::string svgOf(const Chart& chart);
 // Text for HTML and SVG.
 std::string escaped(const std::string& text);
 
-}  // namespace turner
+}  // namespace turner::report

@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "picture/provenance.h"
+#include "image/provenance.h"
 
-namespace turner {
+namespace turner::report {
 namespace {
 
 // Below this a slope is no way to reach anything.
@@ -360,4 +360,4 @@ std::string renderCommand(const SweptScene& scene, const Point& point, const std
   return command;
 }
 
-}  // namespace turner
+}  // namespace turner::report

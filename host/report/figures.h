@@ -8,7 +8,7 @@
 
 #include "report/measure.h"
 
-namespace turner {
+namespace turner::report {
 
 // The errors that "time to reach" is asked of.
 inline constexpr double kTargets[] = {1e-2, 1e-3};
@@ -65,4 +65,4 @@ std::string shellWord(const std::string& text);
 // The render command that makes the point's picture of seed 0; the shaders' folder if it is not Turner's own.
 std::string renderCommand(const SweptScene& scene, const Point& point, const std::string& shaders);
 
-}  // namespace turner
+}  // namespace turner::report

@@ -13,11 +13,11 @@
 #include <filesystem>
 #include <sstream>
 
-#include "errors.h"
-#include "picture/output_file.h"
-#include "scene/text_file.h"
+#include "base/errors.h"
+#include "base/output_file.h"
+#include "base/text_file.h"
 
-namespace turner {
+namespace turner::report {
 namespace {
 
 namespace fs = std::filesystem;
@@ -116,4 +116,4 @@ void Journal::discard() {
   if (error) throw RunError("cannot delete " + folder_ + ": " + error.message());
 }
 
-}  // namespace turner
+}  // namespace turner::report

@@ -6,10 +6,10 @@
 #include <string>
 #include <utility>
 
-#include "descriptor.h"
-#include "picture/exr.h"
+#include "base/unique_fd.h"
+#include "image/exr.h"
 
-namespace turner {
+namespace turner::report {
 
 struct Measurement {
   double seconds = 0;      // of tracing
@@ -55,4 +55,4 @@ class Journal {
   std::map<std::string, std::string> decisions_;
 };
 
-}  // namespace turner
+}  // namespace turner::report

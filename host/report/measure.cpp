@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "errors.h"
-#include "picture/provenance.h"
+#include "base/errors.h"
+#include "image/provenance.h"
 
-namespace turner {
+namespace turner::report {
 namespace {
 
 // The error of a pixel's channel above which it is bad, as compare has it.
@@ -335,4 +335,4 @@ SweptScene measure(const SceneToSweep& sweep, std::vector<std::unique_ptr<Render
   return result;
 }
 
-}  // namespace turner
+}  // namespace turner::report

@@ -6,13 +6,13 @@
 #include <string>
 #include <vector>
 
-#include "picture/compare.h"
-#include "report/converged.h"
+#include "image/compare.h"
+#include "image/converged.h"
 #include "report/journal.h"
 #include "report/renderers.h"
 #include "report/sweep.h"
 
-namespace turner {
+namespace turner::report {
 
 // A setting on a renderer, measured. Errors are of the picture with seed 0 but for rmse.
 struct Point {
@@ -86,4 +86,4 @@ void expectSweep(const SceneToSweep& sweep, const std::vector<RendererInfo>& ren
 SweptScene measure(const SceneToSweep& sweep, std::vector<std::unique_ptr<Renderer>> renderers, Journal& journal,
                    Watcher& watcher);
 
-}  // namespace turner
+}  // namespace turner::report

@@ -7,11 +7,11 @@
 #include <array>
 #include <cmath>
 
-#include "picture/png.h"
+#include "image/png.h"
 #include "report/chart.h"
 #include "report_page_parts.h"
 
-namespace turner {
+namespace turner::report {
 namespace {
 
 // So many points have their pictures in the page; those of the Pareto front come first.
@@ -361,4 +361,4 @@ std::string reportPage(const Machine& machine, const std::vector<SweptScene>& sc
   return Page(machine, pictureOf).write(scenes);
 }
 
-}  // namespace turner
+}  // namespace turner::report

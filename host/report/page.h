@@ -7,7 +7,7 @@
 
 #include "report/tables.h"
 
-namespace turner {
+namespace turner::report {
 
 // The picture of a point, of a scene by its number.
 using PictureOf = std::function<Image(size_t scene, const Point&)>;
@@ -17,4 +17,4 @@ std::string reportPage(const Machine& machine, const std::vector<SweptScene>& sc
 // |A - B| by the largest of a pixel's channels, on a logarithmic scale of colours from 1e-4 (dark) to 1 (bright).
 Image colouredError(const Image& a, const Image& b);
 
-}  // namespace turner
+}  // namespace turner::report

@@ -5,14 +5,14 @@
 #include <algorithm>
 #include <cctype>
 
+#include "base/text_file.h"
+#include "geometry/round_scene.h"
+#include "gpu/prepare.h"
+#include "gpu/renderer.h"
+#include "kernel/buffer_access.h"
 #include "reference/reference.h"
-#include "scene/text_file.h"
-#include "shader/fetch.h"
-#include "shader/prepare.h"
-#include "shader/render.h"
-#include "shader/round_scene.h"
 
-namespace turner {
+namespace turner::report {
 namespace {
 
 // The first word of a device's name, for files: "llvmpipe" of "llvmpipe (LLVM 15.0.6, 512 bits)".
@@ -97,4 +97,4 @@ std::unique_ptr<Renderer> shaderRenderer(const Scene& scene, const DeviceInfo& d
   return std::make_unique<ShaderPictures>(scene, device, shaders);
 }
 
-}  // namespace turner
+}  // namespace turner::report

@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "picture/settings.h"
+#include "gpu/devices.h"
+#include "image/settings.h"
+#include "kernel/compile.h"
 #include "scene/scene.h"
-#include "shader/devices.h"
-#include "shader/glsl.h"
 
-namespace turner {
+namespace turner::report {
 
 struct TimedPicture {
   Image image;
@@ -45,4 +45,4 @@ std::unique_ptr<Renderer> referenceRenderer(const Scene& scene, ReferenceOf whic
 // The shader in `shaders` on a device. Compiles, and opens the device.
 std::unique_ptr<Renderer> shaderRenderer(const Scene& scene, const DeviceInfo& device, const std::string& shaders);
 
-}  // namespace turner
+}  // namespace turner::report

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <iterator>
 
-namespace turner {
+namespace turner::report {
 namespace {
 
 constexpr int kSamples[] = {1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256};
@@ -60,4 +60,4 @@ std::string settingName(const Setting& setting, const RenderSettings& whole) {
   return name;
 }
 
-}  // namespace turner
+}  // namespace turner::report

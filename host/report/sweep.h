@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "picture/settings.h"
+#include "image/settings.h"
 #include "scene/scene.h"
 
-namespace turner {
+namespace turner::report {
 
 // One choice of the render command's knobs.
 struct Setting {
@@ -33,4 +33,4 @@ RenderSettings settingsWith(const RenderSettings& whole, const Setting& setting,
 // tells what goes without saying.
 std::string settingName(const Setting& setting, const RenderSettings& whole);
 
-}  // namespace turner
+}  // namespace turner::report

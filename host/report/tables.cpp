@@ -4,11 +4,11 @@
 
 #include <cmath>
 
-#include "json_text.h"
-#include "picture/figures_json.h"
-#include "picture/provenance.h"
+#include "base/json_writer.h"
+#include "image/figures_json.h"
+#include "image/provenance.h"
 
-namespace turner {
+namespace turner::report {
 namespace {
 
 void putSeconds(JsonText& json, const Point& point) {
@@ -203,4 +203,4 @@ std::string reportCsv(const Machine& machine, const std::vector<SweptScene>& sce
   return text;
 }
 
-}  // namespace turner
+}  // namespace turner::report

@@ -6,7 +6,7 @@
 
 #include "report/figures.h"
 
-namespace turner {
+namespace turner::report {
 
 // Of the whole report.
 struct Machine {
@@ -23,4 +23,4 @@ struct Machine {
 std::string reportJson(const Machine& machine, const std::vector<SweptScene>& scenes);
 std::string reportCsv(const Machine& machine, const std::vector<SweptScene>& scenes);
 
-}  // namespace turner
+}  // namespace turner::report

@@ -10,10 +10,10 @@
 #include <numbers>
 #include <utility>
 
-#include "errors.h"
-#include "scene/scene_json.h"
-#include "scene/scene_nff.h"
-#include "scene/text_file.h"
+#include "base/errors.h"
+#include "base/text_file.h"
+#include "scene/json/scene_json.h"
+#include "scene/nff/scene_nff.h"
 
 namespace turner {
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-#include "scene/number.h"
+#include "base/number.h"
 
 namespace turner {
 

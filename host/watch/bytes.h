@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-namespace turner {
+namespace turner::watch {
 
 // Appends values.
 class ByteWriter {
@@ -104,4 +104,4 @@ class ByteReader {
   std::string_view rest_;
 };
 
-}  // namespace turner
+}  // namespace turner::watch

@@ -8,9 +8,9 @@
 #include <cerrno>
 #include <cstring>
 
-#include "errors.h"
+#include "base/errors.h"
 
-namespace turner {
+namespace turner::watch {
 namespace {
 
 struct Head {
@@ -108,4 +108,4 @@ std::optional<Message> Channel::wait() {
   return receive();
 }
 
-}  // namespace turner
+}  // namespace turner::watch

@@ -8,9 +8,9 @@
 #include <string_view>
 #include <utility>
 
-#include "descriptor.h"
+#include "base/unique_fd.h"
 
-namespace turner {
+namespace turner::watch {
 
 struct Message {
   uint32_t kind = 0;
@@ -52,4 +52,4 @@ class Channel {
 // Two ends of a line. Throws RunError.
 std::pair<int, int> makeChannel();
 
-}  // namespace turner
+}  // namespace turner::watch

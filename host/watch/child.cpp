@@ -20,9 +20,9 @@
 #include <thread>
 #include <utility>
 
-#include "errors.h"
+#include "base/errors.h"
 
-namespace turner {
+namespace turner::watch {
 namespace {
 
 // Of the two ends of the line only the child's own stays, and nothing else but what the user sees.
@@ -122,4 +122,4 @@ std::string Child::end() {
   return "ended with code " + std::to_string(WEXITSTATUS(status));
 }
 
-}  // namespace turner
+}  // namespace turner::watch

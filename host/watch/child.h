@@ -10,7 +10,7 @@
 
 #include "watch/channel.h"
 
-namespace turner {
+namespace turner::watch {
 
 class Child {
  public:
@@ -37,4 +37,4 @@ class Child {
   bool paused_ = false;
 };
 
-}  // namespace turner
+}  // namespace turner::watch

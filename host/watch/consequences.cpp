@@ -5,9 +5,9 @@
 
 #include <cmath>
 
-#include "picture/figures_json.h"
+#include "image/figures_json.h"
 
-namespace turner {
+namespace turner::watch {
 namespace {
 
 std::string line(const char* name, const std::string& text) {
@@ -170,4 +170,4 @@ void putConsequences(JsonText& json, const Consequences& of) {
     json.put("kept", of.kept);
 }
 
-}  // namespace turner
+}  // namespace turner::watch

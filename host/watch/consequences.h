@@ -5,13 +5,13 @@
 #include <string>
 #include <vector>
 
-#include "json_text.h"
-#include "picture/compare.h"
-#include "picture/settings.h"
-#include "shader/spirv_words.h"
+#include "base/json_writer.h"
+#include "image/compare.h"
+#include "image/settings.h"
+#include "kernel/spirv_words.h"
 #include "watch/messages.h"
 
-namespace turner {
+namespace turner::watch {
 
 // A channel that differs by more than this counts its pixel as changed from the last good picture: any difference does.
 inline constexpr double kChanged = 0;
@@ -50,4 +50,4 @@ std::string referenceText(const Comparison& comparison);
 void putComparison(JsonText& json, const char* key, const std::optional<Comparison>& comparison);
 void putConsequences(JsonText& json, const Consequences& of);
 
-}  // namespace turner
+}  // namespace turner::watch

@@ -9,11 +9,11 @@
 #include <string_view>
 #include <utility>
 
-#include "errors.h"
-#include "scene/text_file.h"
-#include "shader/glsl_tokens.h"
+#include "base/errors.h"
+#include "base/text_file.h"
+#include "kernel/glsl_tokens.h"
 
-namespace turner {
+namespace turner::watch {
 namespace {
 
 // --- the message -----------------------------------------------------------------------------------------------------
@@ -276,4 +276,4 @@ std::string gccText(const Diagnosis& diagnosis) {
   return text + "\n  " + harmless(before + behind) + "\n  " + blanksFor(before) + '^';
 }
 
-}  // namespace turner
+}  // namespace turner::watch

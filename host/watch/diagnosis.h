@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "shader/shader_sources.h"
+#include "kernel/shader_sources.h"
 
-namespace turner {
+namespace turner::watch {
 
 struct Diagnosis {
   std::string file;          // empty: the message is about no file
@@ -24,4 +24,4 @@ std::vector<Diagnosis> readDiagnoses(const std::string& text, const std::vector<
 // terminal harm.
 std::string gccText(const Diagnosis& diagnosis);
 
-}  // namespace turner
+}  // namespace turner::watch

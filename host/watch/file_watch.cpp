@@ -15,7 +15,7 @@
 #include <set>
 #include <utility>
 
-namespace turner {
+namespace turner::watch {
 namespace {
 
 // As many links on one way as the kernel follows.
@@ -229,4 +229,4 @@ void FileWatch::renewWatches() {
   }
 }
 
-}  // namespace turner
+}  // namespace turner::watch

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "descriptor.h"
+#include "base/unique_fd.h"
 
-namespace turner {
+namespace turner::watch {
 
 // What stat() says of a file: two versions of a file differ in it, but for rewrites within one tick of the clock.
 struct FileSignature {
@@ -60,4 +60,4 @@ class FileWatch {
   bool allWatched_ = true;              // every folder that holds a file or a link of the set
 };
 
-}  // namespace turner
+}  // namespace turner::watch

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <optional>
 
-namespace turner {
+namespace turner::watch {
 namespace {
 
 constexpr size_t kNone = size_t(-1);
@@ -180,4 +180,4 @@ std::vector<GlslBody> findMains(const std::vector<GlslToken>& tokens) {
   return mains;
 }
 
-}  // namespace turner
+}  // namespace turner::watch

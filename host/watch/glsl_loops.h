@@ -2,9 +2,9 @@
 // writes is not seen.
 #pragma once
 
-#include "shader/glsl_tokens.h"
+#include "kernel/glsl_tokens.h"
 
-namespace turner {
+namespace turner::watch {
 
 // Numbers of tokens; the ends are those of the tokens behind. Behind the body of a do stands its while.
 struct GlslLoop {
@@ -26,4 +26,4 @@ std::vector<GlslLoop> findLoops(const std::vector<GlslToken>& tokens);
 // The bodies of main(): one, or one in each of several branches of the preprocessor.
 std::vector<GlslBody> findMains(const std::vector<GlslToken>& tokens);
 
-}  // namespace turner
+}  // namespace turner::watch

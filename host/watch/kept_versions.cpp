@@ -7,11 +7,11 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "errors.h"
-#include "picture/output_file.h"
-#include "scene/number.h"
+#include "base/errors.h"
+#include "base/number.h"
+#include "base/output_file.h"
 
-namespace turner {
+namespace turner::watch {
 
 namespace fs = std::filesystem;
 
@@ -79,4 +79,4 @@ void keepFigures(const std::string& versionFolder, const std::string& figures) {
   writeWholeFile((fs::path(versionFolder) / "figures.json").string(), figures);
 }
 
-}  // namespace turner
+}  // namespace turner::watch

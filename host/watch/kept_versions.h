@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "shader/shader_sources.h"
+#include "kernel/shader_sources.h"
 
-namespace turner {
+namespace turner::watch {
 
 // The highest number among the versions in a folder, 0 where there is none. Makes the folder. Throws InputError where
 // that cannot be.
@@ -26,4 +26,4 @@ std::string keepVersion(const std::string& folder, int number, const KeptVersion
 // For figures that come later.
 void keepFigures(const std::string& versionFolder, const std::string& figures);
 
-}  // namespace turner
+}  // namespace turner::watch

@@ -9,7 +9,7 @@
 #include "watch/diagnosis.h"
 #include "watch/messages.h"
 
-namespace turner {
+namespace turner::watch {
 
 // A version that has no picture.
 struct Refusal {
@@ -45,4 +45,4 @@ class WatchListener {
   virtual void onProgress(int version, Step step, double share) = 0;
 };
 
-}  // namespace turner
+}  // namespace turner::watch

@@ -11,10 +11,10 @@
 #include <string>
 #include <utility>
 
-#include "shader/glsl_tokens.h"
+#include "kernel/glsl_tokens.h"
 #include "watch/glsl_loops.h"
 
-namespace turner {
+namespace turner::watch {
 namespace {
 
 // As many numbers as there is room for. Later loops have no counters.
@@ -129,4 +129,4 @@ std::optional<SourcePlace> endlessLoop(const LoopProbe& probe, uint32_t limiterC
   return probe.loops[number];
 }
 
-}  // namespace turner
+}  // namespace turner::watch

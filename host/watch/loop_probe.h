@@ -7,9 +7,9 @@
 #include <optional>
 #include <vector>
 
-#include "shader/shader_sources.h"
+#include "kernel/shader_sources.h"
 
-namespace turner {
+namespace turner::watch {
 
 // More turns than this in one go end a loop: few enough for an endless one to end in a blink, on a CPU for each of its
 // lanes.
@@ -35,4 +35,4 @@ LoopProbe probeLoops(const std::vector<ShaderSource>& sources);
 // has ended loops, the one that made the most.
 std::optional<SourcePlace> endlessLoop(const LoopProbe& probe, uint32_t limiterCount);
 
-}  // namespace turner
+}  // namespace turner::watch

@@ -7,14 +7,14 @@
 #include <string>
 #include <vector>
 
-#include "picture/image.h"
-#include "picture/settings.h"
+#include "image/image.h"
+#include "image/settings.h"
+#include "kernel/shader_sources.h"
 #include "scene/scene.h"
-#include "shader/shader_sources.h"
 #include "watch/bytes.h"
 #include "watch/channel.h"
 
-namespace turner {
+namespace turner::watch {
 
 // The work that a job goes through, step by step.
 enum class Step { open, scene, compile, check, pipeline, coarse, picture, timing, counting, probe };
@@ -204,4 +204,4 @@ Value decode(const Message& message) {
   return value;
 }
 
-}  // namespace turner
+}  // namespace turner::watch

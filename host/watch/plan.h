@@ -5,14 +5,14 @@
 #include <string>
 #include <vector>
 
-#include "picture/exr.h"
-#include "picture/settings.h"
+#include "gpu/devices.h"
+#include "gpu/renderer.h"
+#include "image/exr.h"
+#include "image/settings.h"
+#include "kernel/buffer_access.h"
 #include "scene/scene.h"
-#include "shader/devices.h"
-#include "shader/fetch.h"
-#include "shader/render.h"
 
-namespace turner {
+namespace turner::watch {
 
 struct WatchPlan {
   std::string scene;                 // path
@@ -30,4 +30,4 @@ struct WatchPlan {
   Dispatching dispatching;
 };
 
-}  // namespace turner
+}  // namespace turner::watch

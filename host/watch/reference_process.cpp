@@ -3,7 +3,7 @@
 #include "watch/messages.h"
 #include "watch/worker.h"
 
-namespace turner {
+namespace turner::watch {
 
 void ReferenceProcess::work(uint64_t sceneEpoch) {
   if (epoch_ == sceneEpoch) {
@@ -49,4 +49,4 @@ bool ReferenceProcess::hear(std::string& fault) {
   return true;
 }
 
-}  // namespace turner
+}  // namespace turner::watch

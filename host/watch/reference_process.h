@@ -6,11 +6,11 @@
 #include <optional>
 #include <string>
 
-#include "picture/image.h"
+#include "image/image.h"
 #include "watch/child.h"
 #include "watch/plan.h"
 
-namespace turner {
+namespace turner::watch {
 
 class ReferenceProcess {
  public:
@@ -38,4 +38,4 @@ class ReferenceProcess {
   std::optional<Image> image_;
 };
 
-}  // namespace turner
+}  // namespace turner::watch

@@ -7,7 +7,7 @@
 
 #include "watch/worker.h"
 
-namespace turner {
+namespace turner::watch {
 namespace {
 
 // Seconds. A worker that was asked to give up gets this long, or as long as a new one needs to be as far with the
@@ -148,4 +148,4 @@ bool RendererProcess::hasGrown() {
   return versions_ > kSettled && double(bytes) > kMostGrowth * double(settledBytes_);
 }
 
-}  // namespace turner
+}  // namespace turner::watch

@@ -10,7 +10,7 @@
 #include "watch/messages.h"
 #include "watch/plan.h"
 
-namespace turner {
+namespace turner::watch {
 
 class RendererProcess {
  public:
@@ -69,4 +69,4 @@ class RendererProcess {
 const char* stepWords(Step step);
 bool runsKernel(Step step);
 
-}  // namespace turner
+}  // namespace turner::watch

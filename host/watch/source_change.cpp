@@ -7,10 +7,10 @@
 #include <string_view>
 #include <utility>
 
-#include "shader/glsl_tokens.h"
+#include "kernel/glsl_tokens.h"
 #include "watch/glsl_loops.h"
 
-namespace turner {
+namespace turner::watch {
 namespace {
 
 // What is left of a line without its blanks and comments.
@@ -180,4 +180,4 @@ std::vector<std::string> changedFiles(const std::vector<ShaderSource>& good, con
   return files;
 }
 
-}  // namespace turner
+}  // namespace turner::watch

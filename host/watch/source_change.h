@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "shader/shader_sources.h"
+#include "kernel/shader_sources.h"
 
-namespace turner {
+namespace turner::watch {
 
 // Where in the edited sources the fault is to be looked for, given the last ones that worked: the first loop whose head
 // was changed, else the first that has a change in its body, of nested ones the innermost; else the first change. Of
@@ -17,4 +17,4 @@ std::optional<SourcePlace> likelyPlace(const std::vector<ShaderSource>& good, co
 // The files, without their folders, that differ, were added or are gone.
 std::vector<std::string> changedFiles(const std::vector<ShaderSource>& good, const std::vector<ShaderSource>& edited);
 
-}  // namespace turner
+}  // namespace turner::watch

@@ -13,12 +13,12 @@
 #include <optional>
 #include <utility>
 
-#include "cores.h"
-#include "errors.h"
-#include "picture/provenance.h"
-#include "scene/text_file.h"
-#include "shader/source_names.h"
-#include "stopwatch.h"
+#include "base/errors.h"
+#include "base/stopwatch.h"
+#include "base/text_file.h"
+#include "base/threads.h"
+#include "image/provenance.h"
+#include "kernel/source_names.h"
 #include "watch/kept_versions.h"
 #include "watch/reference_process.h"
 #include "watch/renderer_process.h"
@@ -26,7 +26,7 @@
 #include "watch/watched_files.h"
 #include "watch/worker.h"
 
-namespace turner {
+namespace turner::watch {
 namespace {
 
 // Seconds. A coarse picture is not worth showing where the full one follows so soon after the quiet time.
@@ -549,4 +549,4 @@ void watch(const WatchPlan& plan, WatchListener& listener) {
   Watching(plan, listener).run();
 }
 
-}  // namespace turner
+}  // namespace turner::watch

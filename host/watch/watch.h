@@ -4,10 +4,10 @@
 #include "watch/listener.h"
 #include "watch/plan.h"
 
-namespace turner {
+namespace turner::watch {
 
 // Goes on until plan.throwIfInterrupted throws, and lets that pass. Before the first picture it throws what no edit can
 // mend: a device that is not there (InputError, RunError). For a process without other threads: it forks.
 [[noreturn]] void watch(const WatchPlan& plan, WatchListener& listener);
 
-}  // namespace turner
+}  // namespace turner::watch

@@ -7,11 +7,11 @@
 #include <filesystem>
 #include <utility>
 
-#include "errors.h"
+#include "base/errors.h"
+#include "base/text_file.h"
 #include "scene/scene_load.h"
-#include "scene/text_file.h"
 
-namespace turner {
+namespace turner::watch {
 
 namespace fs = std::filesystem;
 
@@ -174,4 +174,4 @@ void WatchedFiles::compilerRead(const std::vector<std::string>& files) {
   follow();
 }
 
-}  // namespace turner
+}  // namespace turner::watch

@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "kernel/shader_sources.h"
 #include "scene/scene.h"
-#include "shader/shader_sources.h"
 #include "watch/file_watch.h"
 
-namespace turner {
+namespace turner::watch {
 
 // Seconds. Changes that follow within kQuiet of each other are a burst, which is one version; after kLongest it is over
 // in any case. Work on a change may begin after kBreath, which joins the steps of one save: delete, write, rename.
@@ -73,4 +73,4 @@ class WatchedFiles {
   uint64_t burst_ = 0, sceneEpoch_ = 1, takenEpoch_ = 0, loadedEpoch_ = 0;
 };
 
-}  // namespace turner
+}  // namespace turner::watch

@@ -12,19 +12,19 @@
 #include <optional>
 #include <utility>
 
-#include "errors.h"
+#include "base/errors.h"
+#include "base/stopwatch.h"
+#include "base/text_file.h"
+#include "gpu/prepare.h"
+#include "kernel/compile.h"
+#include "kernel/kernel_check.h"
+#include "kernel/layout_text.h"
 #include "reference/reference.h"
 #include "scene/scene_load.h"
-#include "scene/text_file.h"
-#include "shader/glsl.h"
-#include "shader/kernel_check.h"
-#include "shader/layout_text.h"
-#include "shader/prepare.h"
-#include "stopwatch.h"
 #include "watch/loop_probe.h"
 #include "watch/messages.h"
 
-namespace turner {
+namespace turner::watch {
 namespace {
 
 // Times are compared in turn if a trace is shorter than kShortTrace, for about kTimingSeconds.
@@ -304,4 +304,4 @@ void workForWatcher(Channel& line, const WatchPlan& plan) {
   }
 }
 
-}  // namespace turner
+}  // namespace turner::watch

@@ -5,7 +5,7 @@
 #include "watch/channel.h"
 #include "watch/plan.h"
 
-namespace turner {
+namespace turner::watch {
 
 // Does the jobs that come down the line, one after the other, until the other end is gone or the device is lost.
 void workForWatcher(Channel& line, const WatchPlan& plan);
@@ -13,4 +13,4 @@ void workForWatcher(Channel& line, const WatchPlan& plan);
 // Stride of the first, coarse picture of a version.
 inline constexpr int kCoarseStride = 8;
 
-}  // namespace turner
+}  // namespace turner::watch

@@ -10,7 +10,7 @@
 
 #include "hard/kernels.h"
 #include "hard/report.h"
-#include "shader_harness.h"
+#include "support/shader_harness.h"
 
 namespace turner::hard {
 

@@ -4,10 +4,10 @@
 #include <bit>
 #include <optional>
 
+#include "gpu/vulkan_device.h"
 #include "hard/kernels/formulas.h"
-#include "shader/glsl.h"
-#include "shader/gpu.h"
-#include "shader_harness.h"
+#include "kernel/compile.h"
+#include "support/shader_harness.h"
 
 namespace turner::hard {
 namespace {

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <vector>
 
-#include "closed_form.h"
 #include "hard/cases.h"
 #include "hard/chain.h"
+#include "support/closed_form.h"
 
 namespace turner::hard {
 

@@ -8,15 +8,15 @@
 #include <glm/common.hpp>
 #include <optional>
 
-#include "errors.h"
+#include "base/errors.h"
+#include "geometry/round_scene.h"
+#include "gpu/devices.h"
+#include "gpu/pack_scene.h"
+#include "gpu/vulkan_device.h"
 #include "hard/kernels/naive.h"
 #include "hard/kernels/step.h"
-#include "shader/devices.h"
-#include "shader/glsl.h"
-#include "shader/gpu.h"
-#include "shader/pack.h"
-#include "shader/round_scene.h"
-#include "shader_harness.h"
+#include "kernel/compile.h"
+#include "support/shader_harness.h"
 
 namespace turner::hard {
 namespace {

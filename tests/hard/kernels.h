@@ -11,10 +11,10 @@
 #include <string>
 #include <vector>
 
+#include "accel/bvh.h"
+#include "gpu/devices.h"
 #include "layout.h"
 #include "scene/scene.h"
-#include "shader/bvh.h"
-#include "shader/devices.h"
 
 namespace turner::hard {
 

@@ -9,10 +9,10 @@
 #include <cstdio>
 #include <exception>
 
-#include "errors.h"
+#include "base/errors.h"
+#include "base/output_file.h"
+#include "gpu/devices.h"
 #include "hard/cases.h"
-#include "picture/output_file.h"
-#include "shader/devices.h"
 
 namespace turner::hard {
 namespace {

@@ -3,12 +3,12 @@
 
 #include <array>
 
-#include "closed_form.h"
 #include "hard/cases.h"
 #include "hard/chain.h"
-#include "picture/compare.h"
-#include "picture/envelope.h"
+#include "image/compare.h"
+#include "image/envelope.h"
 #include "reference/reference.h"
+#include "support/closed_form.h"
 
 namespace turner::hard {
 namespace {

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "picture/image.h"
+#include "image/image.h"
 
 namespace turner::hard {
 

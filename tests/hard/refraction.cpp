@@ -4,10 +4,10 @@
 
 #include <array>
 
-#include "closed_form.h"
 #include "hard/cases.h"
 #include "hard/chain.h"
 #include "hard/glass.h"
+#include "support/closed_form.h"
 
 namespace turner::hard {
 namespace {

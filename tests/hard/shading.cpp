@@ -15,15 +15,15 @@
 #include <regex>
 #include <sstream>
 
-#include "errors.h"
+#include "base/errors.h"
+#include "base/text_file.h"
 #include "hard/cases.h"
 #include "hard/formulas.h"
 #include "hard/pictures.h"
 #include "hard/vectors.h"
 #include "reference/reference.h"
 #include "scene/scene_load.h"
-#include "scene/text_file.h"
-#include "temporary_folder.h"
+#include "support/temporary_folder.h"
 
 namespace turner::hard {
 namespace {

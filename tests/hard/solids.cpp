@@ -1,6 +1,6 @@
 // Solids of glass in one another: whose walls a ray sees, and where it goes. The smaller of two is seen where they
 // overlap; walls inside other glass are hidden, and walls in one place act as one.
-#include "scene/solids.h"
+#include "geometry/nested_dielectrics.h"
 
 #include <fmt/format.h>
 
@@ -8,12 +8,12 @@
 #include <array>
 #include <numbers>
 
-#include "closed_form.h"
+#include "geometry/round_scene.h"
 #include "hard/cases.h"
 #include "hard/chain.h"
 #include "hard/glass.h"
 #include "hard/pictures.h"
-#include "shader/round_scene.h"
+#include "support/closed_form.h"
 
 namespace turner::hard {
 namespace {

@@ -7,7 +7,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include "cores.h"
+#include "base/threads.h"
 #include "hard/brute_force.h"
 #include "hard/cases.h"
 #include "hard/vectors.h"

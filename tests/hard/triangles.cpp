@@ -6,12 +6,12 @@
 #include <array>
 #include <glm/geometric.hpp>
 
-#include "closed_form.h"
 #include "hard/cases.h"
 #include "hard/chain.h"
 #include "hard/icosphere.h"
 #include "hard/pictures.h"
 #include "hard/vectors.h"
+#include "support/closed_form.h"
 
 namespace turner::hard {
 namespace {

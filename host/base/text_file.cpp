@@ -1,0 +1,86 @@
+// System calls and nettle.
+#include "base/text_file.h"
+
+#include <fcntl.h>
+#include <nettle/sha2.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+
+#include "base/errors.h"
+#include "base/reserve.h"
+
+namespace turner {
+
+std::string readTextFile(const std::string& path) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) throw InputError(path + ": error: is a folder, not a file");
+  const struct File {
+    int descriptor;
+    ~File() {
+      if (descriptor >= 0) close(descriptor);
+    }
+  } file{open(path.c_str(), O_RDONLY | O_CLOEXEC)};
+  if (file.descriptor < 0) throw InputError(path + ": error: cannot open: " + std::strerror(errno));
+
+  // One byte more than the size, so that one more read tells the end. A pipe has no size, and a file may grow.
+  struct stat status {};
+  size_t room = fstat(file.descriptor, &status) == 0 ? size_t(status.st_size) + 1 : 1;
+  std::string text;
+  for (size_t got = 0;; room = 2 * room + (size_t(1) << 16)) {
+    text.reserve(room);
+    mapPages(text.data() + got, room - got);
+    text.resize(room);
+    while (got < room) {
+      const ssize_t count = read(file.descriptor, text.data() + got, room - got);
+      if (count < 0 && errno == EINTR) continue;
+      if (count < 0) throw InputError(path + ": error: cannot read: " + std::strerror(errno));
+      if (count == 0) {
+        text.resize(got);
+        return text;
+      }
+      got += size_t(count);
+    }
+  }
+}
+
+void refusePipe(const std::string& path) {
+  std::error_code ignored;
+  const std::filesystem::file_status status = std::filesystem::status(path, ignored);
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status) &&
+      !std::filesystem::is_directory(status))
+    throw InputError(path + ": error: is not a regular file");
+}
+
+std::string readRegularFile(const std::string& path) {
+  refusePipe(path);
+  return readTextFile(path);
+}
+
+std::string lowerExtension(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  for (char& c : extension) c = c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c;
+  return extension;
+}
+
+std::string sha256Hex(std::string_view bytes) {
+  sha256_ctx context;
+  sha256_init(&context);
+  sha256_update(&context, bytes.size(), reinterpret_cast<const uint8_t*>(bytes.data()));
+  std::array<uint8_t, SHA256_DIGEST_SIZE> digest;
+  sha256_digest(&context, digest.size(), digest.data());
+  std::string hex;
+  for (const uint8_t byte : digest) {
+    constexpr const char* kDigits = "0123456789abcdef";
+    hex += kDigits[byte >> 4];
+    hex += kDigits[byte & 15];
+  }
+  return hex;
+}
+
+}  // namespace turner

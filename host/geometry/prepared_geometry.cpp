@@ -1,0 +1,186 @@
+// Triangles find their partners among those that follow closely in the scene: meshes are written strip by strip.
+#include "geometry/prepared_geometry.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/common.hpp>
+#include <span>
+#include <utility>
+
+#include "base/reserve.h"
+#include "base/threads.h"
+
+namespace turner {
+namespace {
+
+struct Bounds {
+  glm::dvec3 lo{INFINITY}, hi{-INFINITY};
+
+  Bounds united(const Bounds& other) const { return {glm::min(lo, other.lo), glm::max(hi, other.hi)}; }
+  double halfArea() const {
+    const glm::dvec3 size = hi - lo;
+    return size.x * size.y + size.y * size.z + size.z * size.x;
+  }
+};
+
+Bounds boundsOf(const Sphere& sphere) {
+  return {sphere.center - std::abs(sphere.radius), sphere.center + std::abs(sphere.radius)};
+}
+
+Bounds boundsOf(const Triangle& triangle) {
+  const auto& [a, b, c] = triangle.vertices;
+  return {glm::min(a, glm::min(b, c)), glm::max(a, glm::max(b, c))};
+}
+
+// Whether all but their geometry allows two triangles to be a pair.
+bool areAlike(const Triangle& first, const Triangle& second) {
+  return first.material == second.material && (first.normals == kNoNormals) == (second.normals == kNoNormals);
+}
+
+// The edge that two triangles share, by the vertices opposite it. Both must go counter-clockwise on the same side, so
+// that each has the edge in its own direction. False if there is none; it hardly matters which where there are several.
+bool sharesEdge(const Triangle& first, const Triangle& second, int& firstOpposite, int& secondOpposite) {
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) {
+      if (first.vertices[size_t((i + 1) % 3)] != second.vertices[size_t((j + 2) % 3)]) continue;
+      if (first.vertices[size_t((i + 2) % 3)] != second.vertices[size_t((j + 1) % 3)]) continue;
+      firstOpposite = i;
+      secondOpposite = j;
+      return true;
+    }
+  return false;
+}
+
+// Turns the corners of a triangle, in their cyclic order, until this one is the first.
+void turnTo(Scene& scene, Triangle& triangle, int corner) {
+  std::rotate(triangle.vertices.begin(), triangle.vertices.begin() + corner, triangle.vertices.end());
+  if (triangle.normals == kNoNormals) return;
+  std::array<glm::dvec3, 3>& normals = scene.normals[triangle.normals];
+  std::rotate(normals.begin(), normals.begin() + corner, normals.end());
+}
+
+constexpr size_t kReach = 16;       // how far behind a triangle its partner may stand
+constexpr size_t kPiece = 1 << 14;  // triangles that look for partners among themselves
+
+// Pairs the triangles of one piece.
+std::vector<TrianglePair> pairPiece(Scene& scene, size_t begin, size_t end) {
+  std::vector<TrianglePair> pairs;
+  pairs.reserve(end - begin);
+  std::vector<bool> taken(end - begin);
+  for (size_t i = begin; i < end; ++i) {
+    if (taken[i - begin]) continue;
+    Triangle& first = scene.triangles[i];
+    const Bounds bounds = boundsOf(first);
+    // The kernel's work on a pair is that on one triangle, for every ray that comes near: the common box must be
+    // entered less often than both boxes would be. By a tenth at least: that keeps a tiny triangle out of the box of a
+    // large one, from afar in which its areas round to 0 and tell nothing.
+    double leastGrowth = 0.9;
+    TrianglePair pair{uint32_t(i)};
+    int corners[2] = {0, 0};
+    for (size_t j = i + 1; j < std::min(end, i + 1 + kReach) && leastGrowth > 0.6; ++j) {
+      int opposite[2];
+      if (taken[j - begin] || !areAlike(first, scene.triangles[j]) ||
+          !sharesEdge(first, scene.triangles[j], opposite[0], opposite[1]))
+        continue;
+      const Bounds other = boundsOf(scene.triangles[j]);
+      const double growth = bounds.united(other).halfArea() / (bounds.halfArea() + other.halfArea());
+      if (!(growth < leastGrowth)) continue;
+      leastGrowth = growth;
+      pair.second = uint32_t(j);
+      std::copy(std::begin(opposite), std::end(opposite), corners);
+    }
+    if (!pair.isAlone()) {
+      taken[pair.second - begin] = true;
+      turnTo(scene, first, corners[0]);
+      turnTo(scene, scene.triangles[pair.second], corners[1]);
+    }
+    pairs.push_back(pair);
+  }
+  return pairs;
+}
+
+// No pair reaches over two solids then. The front of their triangles is that of the winding.
+void giveSolidsMaterials(Shapes& shapes) {
+  Scene& scene = shapes.scene;
+  shapes.solids = touchingSolids(scene);
+  shapes.firstSolid = uint32_t(scene.materials.size());
+  for (const uint32_t material : shapes.solids.materials) scene.materials.push_back(scene.materials[material]);
+  for (size_t i = 0; i < shapes.solids.ofSpheres.size(); ++i)
+    if (const uint32_t solid = shapes.solids.ofSpheres[i]; solid != kNoSolid)
+      scene.spheres[i].material = shapes.firstSolid + solid;
+  for (size_t i = 0; i < shapes.solids.ofTriangles.size(); ++i)
+    if (const uint32_t solid = shapes.solids.ofTriangles[i]; solid != kNoSolid) {
+      Triangle& triangle = scene.triangles[i];
+      triangle.material = shapes.firstSolid + solid;
+      if (facing(scene, triangle) > 0) continue;
+      std::swap(triangle.vertices[1], triangle.vertices[2]);
+      std::swap(scene.normals[triangle.normals][1], scene.normals[triangle.normals][2]);
+    }
+}
+
+std::vector<TrianglePair> pairTriangles(Scene& scene) {
+  const size_t count = scene.triangles.size();
+  std::vector<std::vector<TrianglePair>> pieces((count + kPiece - 1) / kPiece);
+  onAllCores(pieces.size(),
+             [&](size_t i) { pieces[i] = pairPiece(scene, i * kPiece, std::min(count, (i + 1) * kPiece)); });
+  std::vector<TrianglePair> pairs;
+  size_t total = 0;
+  for (const auto& piece : pieces) total += piece.size();
+  makeRoom(pairs, total);
+  for (const auto& piece : pieces) pairs.insert(pairs.end(), piece.begin(), piece.end());
+  return pairs;
+}
+
+glm::vec3 roundedDown(const glm::dvec3& v) {
+  const auto down = [](double x) {
+    const float f = float(x);
+    return double(f) > x ? std::nextafterf(f, -INFINITY) : f;
+  };
+  return {down(v.x), down(v.y), down(v.z)};
+}
+
+glm::vec3 roundedUp(const glm::dvec3& v) {
+  return -roundedDown(-v);
+}
+
+std::vector<Box> paddedBoxes(const Scene& scene, std::span<const TrianglePair> pairs) {
+  const size_t spheres = scene.spheres.size(), count = spheres + pairs.size();
+  const auto bounds = [&](size_t i) {
+    if (i < spheres) return boundsOf(scene.spheres[i]);
+    const TrianglePair& pair = pairs[i - spheres];
+    const Bounds first = boundsOf(scene.triangles[pair.first]);
+    return pair.isAlone() ? first : first.united(boundsOf(scene.triangles[pair.second]));
+  };
+  Bounds all;
+  for (size_t i = 0; i < count; ++i) all = all.united(bounds(i));
+  const glm::dvec3 size = all.hi - all.lo;
+  const double extent = count == 0 ? 0 : std::max({size.x, size.y, size.z});
+
+  // A primitive test moves vertices by up to a rounding of their distance to the ray's origin, which is up to the
+  // scene's extent; the test of a node's planes (origin + byte * scale, all in units of the ray) moves them by up to
+  // five. Eight roundings of each cover both, and the ray that the list of a light is made for instead of the rounded
+  // one.
+  std::vector<Box> boxes;
+  makeRoom(boxes, count);
+  boxes.resize(count);
+  forAll(count, [&](size_t i) {
+    const auto [lo, hi] = bounds(i);
+    const glm::dvec3 pad = 0x1p-21 * (glm::max(glm::abs(lo), glm::abs(hi)) + extent);
+    boxes[i] = {roundedDown(lo - pad), roundedUp(hi + pad)};
+  });
+  return boxes;
+}
+
+}  // namespace
+
+Shapes shapesOf(Scene local) {
+  Shapes shapes;
+  shapes.scene = std::move(local);
+  giveSolidsMaterials(shapes);
+  shapes.pairs = pairTriangles(shapes.scene);
+  shapes.boxes = paddedBoxes(shapes.scene, shapes.pairs);
+  return shapes;
+}
+
+}  // namespace turner

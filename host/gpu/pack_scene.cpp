@@ -1,0 +1,391 @@
+// Numbers both kinds of primitives in the order of the leaves, and writes their rows.
+#include "gpu/pack_scene.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <numeric>
+#include <optional>
+#include <span>
+#include <tuple>
+#include <utility>
+
+#include "base/errors.h"
+#include "base/reserve.h"
+#include "base/threads.h"
+#include "image/camera_basis.h"
+
+namespace turner {
+namespace {
+
+using gpu::Row;
+using gpu::uint;
+
+Row row(const glm::dvec3& v, uint w = 0) {
+  return {float(v.x), float(v.y), float(v.z), w};
+}
+Row row(const glm::dvec3& v, double w) {
+  return row(v, std::bit_cast<uint>(float(w)));
+}
+
+// What a float leaves of a double: the low half of an unevaluated sum.
+Row rowRest(const glm::dvec3& v, uint w = 0) {
+  return row(v - glm::dvec3(float(v.x), float(v.y), float(v.z)), w);
+}
+
+struct Plane {
+  glm::dvec3 normal;  // unit, on the counter-clockwise side
+  double offset;      // N.x of its points
+};
+
+// Nothing where the triangle has no area. The same for all orders of the same vertices but for the sign: coincident
+// triangles are hit at equal distances then, and the lowest id wins.
+std::optional<Plane> planeOf(std::array<glm::dvec3, 3> v) {
+  const auto less = [](const glm::dvec3& a, const glm::dvec3& b) {
+    return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
+  };
+  double sign = 1;
+  for (const auto& [i, j] : {std::pair<size_t, size_t>{0, 1}, {1, 2}, {0, 1}}) {
+    if (!less(v[j], v[i])) continue;
+    std::swap(v[i], v[j]);
+    sign = -sign;
+  }
+  const glm::dvec3 cross = glm::cross(v[1] - v[0], v[2] - v[0]);
+  const double length = glm::length(cross);
+  if (length == 0) return {};
+  const glm::dvec3 normal = cross / length;
+  return Plane{sign * normal, sign * glm::dot(normal, v[0])};
+}
+
+// A triangle that rounding has made flat has no plane: it is seen edge-on by every ray and never hit.
+Row planeRow(const Triangle& triangle) {
+  const std::optional<Plane> plane = planeOf(triangle.vertices);
+  return plane ? row(plane->normal, plane->offset) : Row{};
+}
+
+gpu::Sphere packSphere(const Sphere& sphere, uint precedence) {
+  return {row(sphere.center, sphere.radius),
+          {std::bit_cast<float>(precedence), std::bit_cast<float>(sphere.material), 0, 0}};
+}
+
+// The same of one that the eye is near; its NearSphere is at this row among the materials.
+gpu::Sphere packNearSphere(const Sphere& sphere, uint precedence, uint restRow) {
+  gpu::Sphere packed = packSphere(sphere, precedence);
+  packed.tags.y = std::bit_cast<float>(sphere.material | gpu::kNearEye);
+  packed.tags.z = std::bit_cast<float>(restRow);
+  packed.tags.w = std::bit_cast<uint>(float(eyePower(sphere)));
+  return packed;
+}
+
+gpu::NearSphere nearSphereOf(const Sphere& sphere) {
+  const long double power = eyePower(sphere);
+  return {rowRest(sphere.center, std::bit_cast<uint>(float(power - float(power))))};
+}
+
+// `normals`: where its vertex normals stand in the packed scene. `precedence`: of the triangles.
+gpu::TrianglePair packPair(const Shapes& shapes, const TrianglePair& pair, uint normals,
+                           std::span<const uint> precedence) {
+  const std::vector<Triangle>& triangles = shapes.scene.triangles;
+  const Triangle& first = triangles[pair.first];
+  const auto& [a, b, c] = first.vertices;
+  gpu::TrianglePair packed{row(a, precedence[pair.first]),
+                           row(b, first.material),
+                           row(c, first.normals == kNoNormals ? gpu::kRefNone : normals),
+                           row(b, gpu::kRefNone),
+                           {planeRow(first), {}}};
+  if (!pair.isAlone()) {
+    const Triangle& second = triangles[pair.second];
+    packed.v3 = row(second.vertices[0], precedence[pair.second]);
+    packed.normals[1] = planeRow(second);
+  }
+  return packed;
+}
+
+// Trees are built within the builder's default limits; the kernel's numbers have room for no more.
+static_assert(BvhLimits{}.maxLeafSize == gpu::kMaxLeafSize && BvhLimits{}.maxDepth == int(gpu::kMaxTreeDepth));
+
+uint leafReference(const BvhChild& leaf, std::span<const uint> references) {
+  return gpu::kRefLeaf | ((leaf.count - 1) << gpu::kRefCountShift) | references[leaf.first];
+}
+
+// The least power of two of which 255 reach over a distance, as the exponent byte of a float.
+uint planeExponent(double distance) {
+  const int exponent = distance > 0 ? std::ilogb(distance / 255) + 1 : -126;
+  return uint(std::clamp(exponent, -126, 127) + 127);
+}
+
+// A node in the kernel's form: its planes in bytes, rounded outward; all of it exact in double.
+gpu::Node packNode(const Bvh::Node& node, std::span<const uint> references) {
+  // A leaf comes first, so that the kernel finds an inner child next to its parent.
+  const bool swapped = node.children[0].count == 0 && node.children[1].count > 0;
+  const BvhChild& first = node.children[swapped ? 1 : 0];
+  const BvhChild& second = node.children[swapped ? 0 : 1];
+  const glm::dvec3 lo = glm::min(first.box.lo, second.box.lo), hi = glm::max(first.box.hi, second.box.hi);
+
+  uint exponents = 0;
+  uint planes[3];
+  for (int k = 0; k < 3; ++k) {
+    const uint exponent = planeExponent(hi[k] - lo[k]);
+    const double scale = std::ldexp(1.0, int(exponent) - 127);
+    const auto down = [&](float plane) { return uint(std::floor((double(plane) - lo[k]) / scale)); };
+    const auto up = [&](float plane) { return uint(std::ceil((double(plane) - lo[k]) / scale)); };
+    planes[k] =
+        down(first.box.lo[k]) | up(first.box.hi[k]) << 8 | down(second.box.lo[k]) << 16 | up(second.box.hi[k]) << 24;
+    exponents |= exponent << (8 * k);
+  }
+
+  uint reference = second.first, tags = 0;
+  if (first.count > 0) {
+    reference = leafReference(first, references);
+    tags = 1;
+  }
+  if (second.count > 0) {
+    const uint place = references[second.first];
+    tags = 3 | (second.count - 1) << 2 | (place & gpu::kRefTriangle ? 1u << 4 : 0u);
+  }
+  return {
+      {float(lo.x), float(lo.y), float(lo.z), exponents | tags << 24},
+      {std::bit_cast<float>(planes[0]), std::bit_cast<float>(planes[1]), std::bit_cast<float>(planes[2]), reference}};
+}
+
+// The part of each face of the eye's cube that the picture's rays go through: its crop, clipped to the face.
+std::array<FaceWindow, 6> viewWindows(const Camera& camera, const RenderSettings& settings) {
+  const CameraBasis basis = cameraBasis(camera);
+  const double pixel = 2 * basis.tanHalfFov / settings.height;
+  const auto direction = [&](int x, int y) {
+    return basis.forward + pixel * ((x - 0.5 * settings.width) * basis.right - (y - 0.5 * settings.height) * basis.up);
+  };
+  const Window& crop = settings.crop;
+  std::array<FaceWindow, 6> windows;
+  for (int face = 0; face < 6; ++face) {
+    const int axis = face / 2, a = (axis + 1) % 3, b = (axis + 2) % 3;
+    const double sign = face % 2 ? -1 : 1;
+    std::vector<glm::dvec3> polygon = {direction(crop.x0, crop.y0), direction(crop.x1, crop.y0),
+                                       direction(crop.x1, crop.y1), direction(crop.x0, crop.y1)};
+    // Keep what lies within |u| <= 1 and |v| <= 1, plane by plane (Sutherland, Hodgman 1974), with room for rounding.
+    for (const auto& [component, side] : {std::pair{a, 1.0}, {a, -1.0}, {b, 1.0}, {b, -1.0}}) {
+      const auto inside = [&](const glm::dvec3& d) { return (1 + 1e-6) * sign * d[axis] - side * d[component]; };
+      std::vector<glm::dvec3> kept;
+      for (size_t i = 0; i < polygon.size(); ++i) {
+        const glm::dvec3 &p = polygon[i], &q = polygon[(i + 1) % polygon.size()];
+        const double ip = inside(p), iq = inside(q);
+        if (ip >= 0) kept.push_back(p);
+        if ((ip < 0) != (iq < 0)) kept.push_back(p + (ip / (ip - iq)) * (q - p));
+      }
+      polygon = std::move(kept);
+    }
+    FaceWindow& window = windows[size_t(face)];
+    window = {1, -1, 1, -1};
+    for (const glm::dvec3& d : polygon) {
+      const double u = d[a] / d[axis], v = d[b] / d[axis];
+      window = {std::min(window.uLo, u), std::max(window.uHi, u), std::min(window.vLo, v), std::max(window.vHi, v)};
+    }
+  }
+  return windows;
+}
+
+Features featuresOf(const Scene& scene) {
+  Features features;
+  features.lights = uint32_t(scene.lights.size());
+  features.spheres = !scene.spheres.empty();
+  features.triangles = !scene.triangles.empty();
+  for (const Light& light : scene.lights) features.falloff |= light.falloff != Falloff::none;
+
+  std::vector<bool> used(scene.materials.size());
+  for (const Sphere& sphere : scene.spheres) used[sphere.material] = true;
+  for (const Triangle& triangle : scene.triangles) {
+    used[triangle.material] = true;
+    features.smoothNormals |= triangle.normals != kNoNormals;
+  }
+  for (size_t i = 0; i < used.size(); ++i) {
+    if (!used[i]) continue;
+    const Material& material = scene.materials[i];
+    features.highlights |= material.localWeight > 0 && material.specular != glm::dvec3(0);
+    features.reflection |= material.reflect > 0;
+    features.refraction |= material.transmit > 0;
+  }
+  return features;
+}
+
+// Two of them in each word.
+Row solidsAroundEye(const Shapes& shapes) {
+  const std::vector<uint32_t>& solids = shapes.solids.aroundEye;
+  if (solids.size() > gpu::kMaxSolids)
+    throw InputError("the camera's eye is in " + std::to_string(solids.size()) +
+                     " solids of glass that overlap; a ray can be in " + std::to_string(gpu::kMaxSolids) +
+                     "; use --backend reference");
+  std::array<uint, 4> words{};
+  for (size_t i = 0; i < solids.size(); ++i) words[i % 4] |= (shapes.firstSolid + solids[i]) << (i < 4 ? 0 : 16);
+  return std::bit_cast<Row>(words);
+}
+
+}  // namespace
+
+std::vector<uint> precedences(const Shapes& shapes) {
+  const Scene& scene = shapes.scene;
+  const size_t spheres = scene.spheres.size(), count = spheres + scene.triangles.size();
+  std::vector<uint> result;
+  makeRoom(result, count);
+  result.resize(count);
+  // 0: opaque; 1: glass; 2 and more: a solid, less where its priority is higher.
+  const auto groupOf = [&](size_t id) {
+    const uint material = id < spheres ? scene.spheres[id].material : scene.triangles[id - spheres].material;
+    if (material >= shapes.firstSolid) return uint(scene.materials.size()) + 1 - material;
+    return scene.materials[material].transmit > 0 ? 1u : 0u;
+  };
+  if (!hasGlass(scene)) {
+    std::iota(result.begin(), result.end(), 0u);
+    return result;
+  }
+  std::vector<uint> groups(count), starts(scene.materials.size() - shapes.firstSolid + 3);
+  forAll(count, [&](size_t id) { groups[id] = groupOf(id); });
+  for (const uint group : groups) ++starts[group + 1];
+  std::partial_sum(starts.begin(), starts.end(), starts.begin());
+  for (size_t id = 0; id < count; ++id) result[id] = starts[groups[id]]++;
+  return result;
+}
+
+size_t PackedScene::bytes() const {
+  return nodes.size() * sizeof(gpu::Node) + (primitives.size() + cubes.size()) * sizeof(gpu::Row) +
+         vertexNormals.size() * sizeof(gpu::VertexNormals);
+}
+
+PackedScene packScene(const Shapes& shapes, const Bvh& bvh, const RenderSettings& settings, Cubes cubes) {
+  const Scene& local = shapes.scene;
+  const size_t sphereCount = local.spheres.size();
+  if (gpu::kSphereUnits * sphereCount + gpu::kPairUnits * shapes.pairs.size() > gpu::kMaxUnits)
+    throw InputError("the scene has more spheres and triangles than the kernel can number: " +
+                     std::to_string(sphereCount + local.triangles.size()) + "; it takes " +
+                     std::to_string(gpu::kMaxUnits / gpu::kSphereUnits) + " spheres or " +
+                     std::to_string(gpu::kMaxUnits / gpu::kPairUnits) +
+                     " triangles, twice as many where all are in pairs");
+  if (bvh.depth > int(gpu::kMaxTreeDepth))
+    throw RunError("the tree is " + std::to_string(bvh.depth) + " nodes deep, more than the kernel's stack holds");
+
+  if (!shapes.solids.empty() && local.materials.size() > gpu::kMaxMaterials)
+    throw InputError("the scene has " + std::to_string(shapes.firstSolid) + " materials and " +
+                     std::to_string(shapes.solids.materials.size()) +
+                     " solids of glass that overlap or touch; the kernel can number " +
+                     std::to_string(gpu::kMaxMaterials) + " of both; use --backend reference");
+
+  PackedScene packed;
+  packed.features = featuresOf(local);
+  packed.features.solids = !shapes.solids.empty();
+  packed.view = {.camera = local.camera,
+                 .background = local.background,
+                 .solids = solidsAroundEye(shapes),
+                 .width = settings.width,
+                 .height = settings.height,
+                 .crop = settings.crop};
+  packed.treeDepth = bvh.depth;
+  packed.primitiveCount = sphereCount + local.triangles.size();
+
+  // Kind and place of each shape, and the place of its vertex normals, in the order of the leaves.
+  std::vector<uint> references, normals;
+  makeRoom(references, bvh.order.size());
+  makeRoom(normals, bvh.order.size());
+  uint place = 0, normalsPlace = 0;
+  for (const uint shape : bvh.order) {
+    const bool isPair = shape >= sphereCount;
+    references.push_back((isPair ? gpu::kRefTriangle : 0) | place);
+    normals.push_back(normalsPlace);
+    place += isPair ? gpu::kPairUnits : gpu::kSphereUnits;
+    if (!isPair) continue;
+    const TrianglePair& pair = shapes.pairs[shape - sphereCount];
+    if (local.triangles[pair.first].normals != kNoNormals) normalsPlace += pair.isAlone() ? 1 : 2;
+  }
+  const std::vector<uint> precedence = precedences(shapes);
+  std::vector<uint> nearSpheres;
+  for (uint i = 0; i < sphereCount; ++i) {
+    if (isNearEye(local.spheres[i])) nearSpheres.push_back(i);
+    packed.features.farSpheres |= isFarFromEye(local.spheres[i]);
+  }
+  packed.features.nearSpheres = !nearSpheres.empty();
+  const uint nearSphereRow = gpu::kMaterialRows * uint(local.materials.size());
+  // The kernel may look for all of a pair behind a last sphere.
+  makeRoom(packed.primitives, gpu::kUnitRows * (place + gpu::kPairUnits));
+  packed.primitives.resize(gpu::kUnitRows * (place + gpu::kPairUnits));
+  makeRoom(packed.vertexNormals, normalsPlace);
+  packed.vertexNormals.resize(normalsPlace);
+  forAll(bvh.order.size(), [&](size_t i) {
+    const uint shape = bvh.order[i];
+    Row* const rows = &packed.primitives[gpu::kUnitRows * (references[i] & gpu::kRefPlaceMask)];
+    if (shape < sphereCount) {
+      const Sphere& sphere = local.spheres[shape];
+      const auto near = std::lower_bound(nearSpheres.begin(), nearSpheres.end(), shape);
+      const gpu::Sphere packedSphere =
+          near == nearSpheres.end() || *near != shape
+              ? packSphere(sphere, precedence[shape])
+              : packNearSphere(sphere, precedence[shape], nearSphereRow + uint(near - nearSpheres.begin()));
+      std::memcpy(rows, &packedSphere, sizeof packedSphere);
+      return;
+    }
+    const TrianglePair& pair = shapes.pairs[shape - sphereCount];
+    const gpu::TrianglePair packedPair = packPair(shapes, pair, normals[i], std::span(precedence).subspan(sphereCount));
+    std::memcpy(rows, &packedPair, sizeof packedPair);
+    if (local.triangles[pair.first].normals == kNoNormals) return;
+    const auto putNormals = [&](size_t to, uint triangle) {
+      const auto& [a, b, c] = local.normals[local.triangles[triangle].normals];
+      packed.vertexNormals[to] = {row(a), row(b), row(c)};
+    };
+    putNormals(normals[i], pair.first);
+    if (!pair.isAlone()) putNormals(normals[i] + 1, pair.second);
+  });
+
+  makeRoom(packed.nodes, bvh.nodes.size());
+  packed.nodes.resize(bvh.nodes.size());
+  forAll(bvh.nodes.size(), [&](size_t i) { packed.nodes[i] = packNode(bvh.nodes[i], references); });
+  if (!bvh.order.empty()) packed.view.root = bvh.root.count > 0 ? leafReference(bvh.root, references) : bvh.root.first;
+
+  for (uint i = 0; i < local.materials.size(); ++i) {
+    const Material& material = local.materials[i];
+    const uint glass = i < shapes.firstSolid ? 0 : 1 + shapes.solids.glasses[i - shapes.firstSolid];
+    for (const Row& part : {row(material.diffuse, material.reflect), row(material.specular, material.transmit),
+                            row({material.shininess, material.ior, material.localWeight}, glass)})
+      packed.materials.push_back(part);
+  }
+  for (const uint i : nearSpheres) packed.materials.push_back(nearSphereOf(local.spheres[i]).centerRest);
+  for (const Light& light : local.lights)
+    packed.lights.push_back({row(light.position, uint(light.falloff == Falloff::inverseSquare)), row(light.color)});
+
+  // Eye rays share their walk with reflected and refracted ones, which begin at the root.
+  const size_t eyeRays = settings.crop.area() * size_t(settings.samples) * size_t(settings.samples);
+  const bool secondary = packed.features.reflection || packed.features.refraction;
+  std::vector<CubePoint> points = {{.position = {0, 0, 0},
+                                    .windows = viewWindows(local.camera, settings),
+                                    .rays = eyeRays,
+                                    .kernelWalk = 0,
+                                    .walkMeetsNodes = secondary || cubes == Cubes::mixedLists}};
+  for (const Light& light : local.lights)
+    points.push_back(
+        {.position = light.position, .rays = eyeRays, .kernelWalk = 1, .walkMeetsNodes = cubes == Cubes::mixedLists});
+  const CubeTree tree{shapes, bvh, references};
+  DirectionCubes built = cubes == Cubes::wholeTree ? wholeTreeCubes(points, tree) : buildDirectionCubes(points, tree);
+  packed.cubes = std::move(built.rows);
+  packed.features.nearestNodes = built.meetsNodes[0];
+  packed.features.shadowNodes = !local.lights.empty() && built.meetsNodes[1];
+  return packed;
+}
+
+gpu::Frame packFrame(const View& view, const RenderSettings& settings, uint32_t deviceThreads) {
+  const CameraBasis basis = cameraBasis(view.camera);
+  const double pixel = 2 * basis.tanHalfFov / settings.height;
+  const glm::dvec3 perRight = pixel * basis.right, perDown = -pixel * basis.up;
+
+  gpu::Frame frame;
+  frame.centreHi = row(basis.forward, view.root);
+  frame.centreLo = rowRest(basis.forward, uint(settings.width));
+  frame.rightHi = row(perRight, uint(settings.height));
+  frame.rightLo = rowRest(perRight, settings.seed);
+  frame.downHi = row(perDown, settings.weightLimit());
+  frame.downLo = rowRest(perDown, deviceThreads);
+  frame.solids = view.solids;
+  frame.background = row(view.background, gpu::kCanaryLength);
+  return frame;
+}
+
+}  // namespace turner

@@ -1,0 +1,353 @@
+// Vulkan-Hpp's RAII classes do the work; here are the choices: layers, queue, memory types, limits, waiting.
+#include "gpu/vulkan_device.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <iterator>
+#include <mutex>
+#include <utility>
+
+#include "base/errors.h"
+#include "base/reserve.h"
+
+namespace turner {
+namespace {
+
+constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
+// A lost device must not hang the program; no dispatch comes near this.
+constexpr uint64_t kFenceTimeout = 120'000'000'000;  // nanoseconds
+
+constexpr const char* kNoVulkan =
+    "no Vulkan device: install a driver, for example the software driver lavapipe "
+    "(apt-get install libvulkan1 mesa-vulkan-drivers)";
+
+bool wantsValidation() {
+  const char* wish = std::getenv("TURNER_VALIDATION");
+  return wish ? std::strcmp(wish, "0") != 0 : bool(TURNER_VALIDATION_DEFAULT);
+}
+
+// lavapipe computes in 8 lanes unless its environment asks for more, which it reads when the instance is made. With
+// AVX-512 the kernel is 1.1 to 1.4 times faster in 16 lanes (docs/performance.md). What the user has set stays.
+void askForWideLanes() {
+#if defined(__x86_64__)
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512dq") &&
+      __builtin_cpu_supports("avx512vl"))
+    setenv("LP_NATIVE_VECTOR_WIDTH", "512", 0);
+#endif
+}
+
+// What the layers complained about. The callback runs on the driver's threads too.
+std::mutex complaintsMutex;
+std::string complaints;
+
+VKAPI_ATTR VkBool32 VKAPI_CALL onValidationMessage(VkDebugUtilsMessageSeverityFlagBitsEXT severity,
+                                                   VkDebugUtilsMessageTypeFlagsEXT,
+                                                   const VkDebugUtilsMessengerCallbackDataEXT* data, void*) {
+  const std::scoped_lock lock(complaintsMutex);
+  if (complaints.size() < 10'000)
+    complaints += (severity >= VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT ? "error: " : "warning: ") +
+                  std::string(data->pMessage) + '\n';
+  return VK_FALSE;
+}
+
+bool hasExtension(const std::vector<vk::ExtensionProperties>& extensions, const char* name) {
+  return std::any_of(extensions.begin(), extensions.end(),
+                     [&](const vk::ExtensionProperties& e) { return std::strcmp(e.extensionName, name) == 0; });
+}
+
+std::string megabytes(vk::DeviceSize bytes) {
+  return std::to_string((bytes + (1 << 20) - 1) >> 20) + " MiB";
+}
+
+// A queue family for compute; one that does nothing else where there is a choice.
+std::optional<uint32_t> computeFamily(const vk::raii::PhysicalDevice& device) {
+  const std::vector<vk::QueueFamilyProperties> families = device.getQueueFamilyProperties();
+  std::optional<uint32_t> found;
+  for (uint32_t i = 0; i < families.size(); ++i) {
+    if (!(families[i].queueFlags & vk::QueueFlagBits::eCompute)) continue;
+    if (!(families[i].queueFlags & vk::QueueFlagBits::eGraphics)) return i;
+    if (!found) found = i;
+  }
+  return found;
+}
+
+std::string typeName(vk::PhysicalDeviceType type) {
+  switch (type) {
+    case vk::PhysicalDeviceType::eDiscreteGpu:
+      return "discrete GPU";
+    case vk::PhysicalDeviceType::eIntegratedGpu:
+      return "integrated GPU";
+    case vk::PhysicalDeviceType::eVirtualGpu:
+      return "virtual GPU";
+    case vk::PhysicalDeviceType::eCpu:
+      return "CPU";
+    default:
+      return "other";
+  }
+}
+
+std::string versionName(uint32_t version) {
+  return std::to_string(VK_API_VERSION_MAJOR(version)) + '.' + std::to_string(VK_API_VERSION_MINOR(version)) + '.' +
+         std::to_string(VK_API_VERSION_PATCH(version));
+}
+
+}  // namespace
+
+// --- instance -------------------------------------------------------------------------------------------------------
+
+Instance::Instance() try {
+  askForWideLanes();
+  const vk::ApplicationInfo application("turner", 0, nullptr, 0, VK_API_VERSION_1_2);
+  vk::InstanceCreateInfo create({}, &application);
+
+  std::vector<const char*> layers, extensions;
+  debugNames_ = hasExtension(context_.enumerateInstanceExtensionProperties(), VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
+  const vk::DebugUtilsMessengerCreateInfoEXT messenger(
+      {}, vk::DebugUtilsMessageSeverityFlagBitsEXT::eWarning | vk::DebugUtilsMessageSeverityFlagBitsEXT::eError,
+      vk::DebugUtilsMessageTypeFlagBitsEXT::eValidation | vk::DebugUtilsMessageTypeFlagBitsEXT::ePerformance,
+      onValidationMessage);
+  constexpr vk::ValidationFeatureEnableEXT kFeatures[] = {vk::ValidationFeatureEnableEXT::eSynchronizationValidation};
+  const vk::ValidationFeaturesEXT features(kFeatures, {}, &messenger);
+  const bool validation = wantsValidation();
+  if (validation) {
+    const auto available = context_.enumerateInstanceLayerProperties();
+    if (std::none_of(available.begin(), available.end(),
+                     [](const auto& layer) { return std::strcmp(layer.layerName, kValidationLayer) == 0; }))
+      throw RunError(
+          "TURNER_VALIDATION is set, but the validation layers are missing "
+          "(apt-get install vulkan-validationlayers)");
+    layers.push_back(kValidationLayer);
+    debugNames_ = true;  // the layer brings the extension
+    create.setPNext(&features);
+  }
+  if (debugNames_) extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
+  create.setPEnabledLayerNames(layers).setPEnabledExtensionNames(extensions);
+  instance_.emplace(context_, create);
+  if (validation) messenger_.emplace(*instance_, messenger);
+} catch (const vk::IncompatibleDriverError&) {
+  throw RunError(kNoVulkan);
+}
+
+std::vector<vk::raii::PhysicalDevice> Instance::physicalDevices() const {
+  try {
+    vk::raii::PhysicalDevices devices(*instance_);
+    return {std::make_move_iterator(devices.begin()), std::make_move_iterator(devices.end())};
+  } catch (const vk::InitializationFailedError&) {
+    return {};  // how the loader says that no driver has a device
+  }
+}
+
+void throwIfInvalid() {
+  const std::scoped_lock lock(complaintsMutex);
+  if (complaints.empty()) return;
+  throw RunError("the Vulkan validation layers complain:\n" + std::exchange(complaints, {}));
+}
+
+// --- devices --------------------------------------------------------------------------------------------------------
+
+DeviceInfo describeDevice(const vk::raii::PhysicalDevice& device, int index) {
+  const vk::PhysicalDeviceProperties properties = device.getProperties();
+  DeviceInfo info;
+  info.index = index;
+  info.name = properties.deviceName.data();
+  info.type = typeName(properties.deviceType);
+  info.api = versionName(properties.apiVersion);
+  info.usable = properties.apiVersion >= VK_API_VERSION_1_2 && computeFamily(device).has_value();
+  if (properties.apiVersion >= VK_API_VERSION_1_2) {
+    const auto chain = device.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceDriverProperties>();
+    const auto& driver = chain.get<vk::PhysicalDeviceDriverProperties>();
+    info.driver = std::string(driver.driverName.data()) + ' ' + driver.driverInfo.data();
+  }
+  return info;
+}
+
+std::vector<DeviceInfo> listDevices() {
+  const auto instance = std::make_shared<const Instance>();
+  std::vector<DeviceInfo> devices;
+  for (const vk::raii::PhysicalDevice& device : instance->physicalDevices()) {
+    devices.push_back(describeDevice(device, int(devices.size())));
+    devices.back().instance = instance;
+  }
+  if (devices.empty()) throw RunError(kNoVulkan);
+  return devices;
+}
+
+Device::Device(const DeviceInfo& info) : info_(info), instance_(info.instance) {
+  std::vector<vk::raii::PhysicalDevice> devices = instance_->physicalDevices();
+  if (size_t(info.index) >= devices.size()) throw RunError("the Vulkan device " + info.name + " has gone away");
+  physical_.emplace(std::move(devices[size_t(info.index)]));
+  const auto properties =
+      physical_->getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceMaintenance3Properties,
+                                vk::PhysicalDeviceSubgroupProperties>();
+  limits_ = properties.get<vk::PhysicalDeviceProperties2>().properties.limits;
+  maxAllocation_ = properties.get<vk::PhysicalDeviceMaintenance3Properties>().maxMemoryAllocationSize;
+  subgroupSize_ = std::max(1u, properties.get<vk::PhysicalDeviceSubgroupProperties>().subgroupSize);
+  queueFamily_ = computeFamily(*physical_).value();
+  timestampBits_ = physical_->getQueueFamilyProperties()[queueFamily_].timestampValidBits;
+  debugNames_ = instance_->hasDebugNames();
+
+  constexpr auto kTexelRows = vk::FormatFeatureFlagBits::eStorageTexelBuffer;
+  const vk::FormatProperties format = physical_->getFormatProperties(vk::Format::eR32G32B32A32Uint);
+  texelRows_ =
+      (format.bufferFeatures & kTexelRows) == kTexelRows && limits_.maxPerStageDescriptorStorageImages >= kRowArrays;
+  const auto features =
+      physical_->getFeatures2<vk::PhysicalDeviceFeatures2, vk::PhysicalDeviceBufferDeviceAddressFeatures>();
+  addresses_ = features.get<vk::PhysicalDeviceBufferDeviceAddressFeatures>().bufferDeviceAddress;
+
+  const float priority = 1;
+  const vk::DeviceQueueCreateInfo queue({}, queueFamily_, 1, &priority);
+  const vk::PhysicalDeviceBufferDeviceAddressFeatures addressFeature(addresses_);
+  device_.emplace(*physical_, vk::DeviceCreateInfo({}, queue, {}, {}, {}, &addressFeature));
+  queue_.emplace(*device_, queueFamily_, 0);
+  commandPool_.emplace(*device_, vk::CommandPoolCreateInfo(vk::CommandPoolCreateFlagBits::eTransient, queueFamily_));
+  if (timestampBits_ > 0) timestamps_.emplace(*device_, vk::QueryPoolCreateInfo({}, vk::QueryType::eTimestamp, 2));
+  name(*queue_, "compute queue");
+}
+
+bool Device::canFetch(Fetch fetch) const {
+  return fetch == Fetch::texels ? texelRows_ : fetch == Fetch::addresses ? addresses_ : true;
+}
+
+// --- buffers --------------------------------------------------------------------------------------------------------
+
+Buffer Device::makeBuffer(vk::DeviceSize size, vk::BufferUsageFlags usage, vk::MemoryPropertyFlags required,
+                          vk::MemoryPropertyFlags preferred, const std::string& bufferName) const {
+  Buffer result;
+  result.size = std::max<vk::DeviceSize>(size, 16);  // an empty scene has buffers too
+  const std::string what = "the buffer of " + bufferName + " needs " + megabytes(result.size);
+  const bool byAddress = bool(usage & vk::BufferUsageFlagBits::eShaderDeviceAddress);
+  if ((usage & vk::BufferUsageFlagBits::eStorageBuffer) && !byAddress && result.size > limits_.maxStorageBufferRange)
+    throw InputError(what + ", more than the device " + info_.name + " can bind (" +
+                     megabytes(limits_.maxStorageBufferRange) + ")");
+  const vk::DeviceSize texels = vk::DeviceSize(limits_.maxTexelBufferElements) * kRowBytes;
+  if ((usage & vk::BufferUsageFlagBits::eStorageTexelBuffer) && result.size > texels)
+    throw InputError(what + ", more than the device " + info_.name + " can fetch as texels (" + megabytes(texels) +
+                     ")");
+  if (result.size > maxAllocation_)
+    throw InputError(what + ", more than the device " + info_.name + " can allocate at once (" +
+                     megabytes(maxAllocation_) + ")");
+
+  result.buffer.emplace(*device_, vk::BufferCreateInfo({}, result.size, usage));
+  const vk::MemoryRequirements needs = result.buffer->getMemoryRequirements();
+  const vk::PhysicalDeviceMemoryProperties memory = physical_->getMemoryProperties();
+  std::optional<uint32_t> type;
+  for (const vk::MemoryPropertyFlags wanted : {required | preferred, required}) {
+    for (uint32_t i = 0; i < memory.memoryTypeCount && !type; ++i)
+      if ((needs.memoryTypeBits >> i & 1) && (memory.memoryTypes[i].propertyFlags & wanted) == wanted) type = i;
+  }
+  if (!type) throw RunError("the device " + info_.name + " has no memory type for the buffer of " + bufferName);
+  const vk::MemoryAllocateFlagsInfo addressable(vk::MemoryAllocateFlagBits::eDeviceAddress);
+  try {
+    result.memory.emplace(*device_, vk::MemoryAllocateInfo(needs.size, *type, byAddress ? &addressable : nullptr));
+  } catch (const vk::OutOfDeviceMemoryError&) {
+    throw RunError("out of device memory: " + what);
+  } catch (const vk::OutOfHostMemoryError&) {
+    throw RunError("out of memory: " + what);
+  }
+  result.buffer->bindMemory(**result.memory, 0);
+  constexpr auto kReachable = vk::MemoryPropertyFlagBits::eHostVisible | vk::MemoryPropertyFlagBits::eHostCoherent;
+  if ((memory.memoryTypes[*type].propertyFlags & kReachable) == kReachable)
+    result.mapped = static_cast<std::byte*>(result.memory->mapMemory(0, VK_WHOLE_SIZE));
+  name(*result.buffer, bufferName);
+  name(*result.memory, "memory of " + bufferName);
+  return result;
+}
+
+Buffer Device::storageBuffer(vk::DeviceSize size, const std::string& bufferName) const {
+  return makeBuffer(size,
+                    vk::BufferUsageFlagBits::eStorageBuffer | vk::BufferUsageFlagBits::eTransferSrc |
+                        vk::BufferUsageFlagBits::eTransferDst,
+                    {}, vk::MemoryPropertyFlagBits::eDeviceLocal, bufferName);
+}
+
+Buffer Device::hostBuffer(vk::DeviceSize size, const std::string& bufferName) const {
+  using Usage = vk::BufferUsageFlagBits;
+  return makeBuffer(size, Usage::eTransferSrc | Usage::eTransferDst | Usage::eStorageBuffer,
+                    vk::MemoryPropertyFlagBits::eHostVisible | vk::MemoryPropertyFlagBits::eHostCoherent,
+                    vk::MemoryPropertyFlagBits::eHostCached, bufferName);
+}
+
+Buffer Device::upload(std::span<const std::byte> bytes, const std::string& bufferName) const {
+  Buffer target = storageBuffer(bytes.size(), bufferName);
+  fill(target, bytes, bufferName);
+  return target;
+}
+
+Buffer Device::uploadRows(std::span<const std::byte> bytes, Fetch fetch, const std::string& bufferName) const {
+  using Usage = vk::BufferUsageFlagBits;
+  const vk::BufferUsageFlags usage = fetch == Fetch::texels      ? Usage::eStorageTexelBuffer
+                                     : fetch == Fetch::addresses ? Usage::eStorageBuffer | Usage::eShaderDeviceAddress
+                                                                 : vk::BufferUsageFlags(Usage::eStorageBuffer);
+  Buffer target =
+      makeBuffer(bytes.size(), usage | Usage::eTransferDst, {}, vk::MemoryPropertyFlagBits::eDeviceLocal, bufferName);
+  fill(target, bytes, bufferName);
+  if (fetch == Fetch::texels) {
+    target.texels.emplace(
+        *device_, vk::BufferViewCreateInfo({}, **target.buffer, vk::Format::eR32G32B32A32Uint, 0, VK_WHOLE_SIZE));
+    name(*target.texels, bufferName);
+  }
+  if (fetch == Fetch::addresses) target.address = device_->getBufferAddress({**target.buffer});
+  return target;
+}
+
+void Device::fill(const Buffer& target, std::span<const std::byte> bytes, const std::string& bufferName) const {
+  if (bytes.empty()) return;
+  // Memory that the host reaches too needs no copy of its content beside it.
+  if (target.mapped) {
+    mapPages(target.mapped, bytes.size());
+    std::memcpy(target.mapped, bytes.data(), bytes.size());
+    return;
+  }
+  constexpr size_t kPiece = 64 << 20;
+  const Buffer staging = hostBuffer(std::min(bytes.size(), kPiece), "staging of " + bufferName);
+  for (size_t done = 0; done < bytes.size(); done += kPiece) {
+    const size_t piece = std::min(kPiece, bytes.size() - done);
+    std::memcpy(staging.mapped, bytes.data() + done, piece);
+    run([&](vk::raii::CommandBuffer& commands) {
+      commands.copyBuffer(**staging.buffer, **target.buffer, vk::BufferCopy(0, done, piece));
+    });
+  }
+}
+
+// --- running --------------------------------------------------------------------------------------------------------
+
+double Device::run(const std::function<void(vk::raii::CommandBuffer&)>& record) const {
+  vk::raii::CommandBuffers buffers(*device_, {**commandPool_, vk::CommandBufferLevel::ePrimary, 1});
+  vk::raii::CommandBuffer& commands = buffers[0];
+  commands.begin({vk::CommandBufferUsageFlagBits::eOneTimeSubmit});
+  if (timestamps_) {
+    commands.resetQueryPool(**timestamps_, 0, 2);
+    commands.writeTimestamp(vk::PipelineStageFlagBits::eTopOfPipe, **timestamps_, 0);
+  }
+  record(commands);
+  if (timestamps_) commands.writeTimestamp(vk::PipelineStageFlagBits::eBottomOfPipe, **timestamps_, 1);
+  commands.end();
+
+  const vk::raii::Fence fence(*device_, vk::FenceCreateInfo());
+  const auto start = std::chrono::steady_clock::now();
+  try {
+    queue_->submit(vk::SubmitInfo({}, {}, *commands), *fence);
+    if (device_->waitForFences(*fence, true, kFenceTimeout) != vk::Result::eSuccess) {
+      // What the device still uses must not be destroyed, and it may never be done: the process ends here.
+      std::fprintf(stderr, "turner: error: the device %s did not finish a dispatch within %d s\n", info_.name.c_str(),
+                   int(kFenceTimeout / 1'000'000'000));
+      std::_Exit(1);
+    }
+  } catch (const vk::DeviceLostError&) {
+    throw RunError("the device " + info_.name + " was lost during a dispatch");
+  }
+  const std::chrono::duration<double> waited = std::chrono::steady_clock::now() - start;
+  throwIfInvalid();
+  if (!timestamps_) return waited.count();
+
+  const auto [result, ticks] = timestamps_->getResults<uint64_t>(
+      0, 2, 2 * sizeof(uint64_t), sizeof(uint64_t), vk::QueryResultFlagBits::e64 | vk::QueryResultFlagBits::eWait);
+  if (result != vk::Result::eSuccess) return waited.count();
+  const uint64_t mask = timestampBits_ >= 64 ? ~uint64_t(0) : (uint64_t(1) << timestampBits_) - 1;
+  return double((ticks[1] - ticks[0]) & mask) * double(limits_.timestampPeriod) * 1e-9;
+}
+
+}  // namespace turner

@@ -1,0 +1,158 @@
+// A file is: a line that names its format, its key, the two counts, the file numbers, the words, and the SHA-256 in hex
+// of all of that. Its name is its key's, so that a file under another's name is told by its content.
+#include "kernel/spirv_cache.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <utility>
+
+#include "base/cache_folder.h"
+#include "base/text_file.h"
+#include "base/unique_fd.h"
+
+namespace turner {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kFormat = "turner SPIR-V cache 1\n";
+constexpr std::string_view kSuffix = ".spirv";
+constexpr size_t kHashSize = 64;          // of SHA-256 in hex
+constexpr size_t kMostBytes = 64u << 20;  // of a file; no shader comes near this
+using Counts = std::array<uint32_t, 2>;   // of files and words
+
+std::string pathOf(const std::string& folder, const std::string& key) {
+  return folder + '/' + key + std::string(kSuffix);
+}
+
+// --- contents -------------------------------------------------------------------------------------------------------
+
+std::string_view bytesOf(const uint32_t* values, size_t count) {
+  return {reinterpret_cast<const char*>(values), count * sizeof(uint32_t)};
+}
+
+std::string encode(const std::string& key, const CachedSpirv& spirv) {
+  const Counts counts = {uint32_t(spirv.files.size()), uint32_t(spirv.words.size())};
+  std::string bytes(kFormat);
+  bytes += key;
+  bytes += bytesOf(counts.data(), counts.size());
+  bytes += bytesOf(spirv.files.data(), spirv.files.size());
+  bytes += bytesOf(spirv.words.data(), spirv.words.size());
+  return bytes + sha256Hex(bytes);
+}
+
+std::vector<uint32_t> takeValues(std::string_view& bytes, size_t count) {
+  std::vector<uint32_t> values(count);
+  if (count > 0) std::memcpy(values.data(), bytes.data(), count * sizeof(uint32_t));
+  bytes.remove_prefix(count * sizeof(uint32_t));
+  return values;
+}
+
+std::optional<CachedSpirv> decode(const std::string& key, std::string_view bytes) {
+  Counts counts;
+  const size_t head = kFormat.size() + key.size() + sizeof counts;
+  if (bytes.size() < head + kHashSize) return std::nullopt;
+  if (!bytes.starts_with(kFormat) || bytes.substr(kFormat.size(), key.size()) != key) return std::nullopt;
+  const std::string_view checksum = bytes.substr(bytes.size() - kHashSize);
+  bytes.remove_suffix(kHashSize);
+  if (sha256Hex(bytes) != checksum) return std::nullopt;
+
+  std::memcpy(counts.data(), bytes.data() + head - sizeof counts, sizeof counts);
+  bytes.remove_prefix(head);
+  if (bytes.size() != (uint64_t(counts[0]) + counts[1]) * sizeof(uint32_t)) return std::nullopt;
+  CachedSpirv spirv;
+  spirv.files = takeValues(bytes, counts[0]);
+  spirv.words = takeValues(bytes, counts[1]);
+  return spirv;
+}
+
+// --- files ----------------------------------------------------------------------------------------------------------
+
+// The bytes of a regular file. Marks it as used, where that is allowed.
+std::optional<std::string> readAndMark(const std::string& path) {
+  // Not to wait, should somebody have put a pipe there.
+  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+  struct stat found {};
+  if (file.number < 0 || ::fstat(file.number, &found) != 0 || !S_ISREG(found.st_mode)) return std::nullopt;
+  if (found.st_size < 0 || uint64_t(found.st_size) > kMostBytes) return std::nullopt;
+  std::string bytes(size_t(found.st_size), '\0');
+  size_t done = 0;
+  while (done < bytes.size()) {
+    const ssize_t got = ::read(file.number, bytes.data() + done, bytes.size() - done);
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) return std::nullopt;
+    done += size_t(got);
+  }
+  (void)::futimens(file.number, nullptr);
+  return bytes;
+}
+
+bool writeAll(int file, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(file, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return false;
+    bytes.remove_prefix(size_t(written));
+  }
+  return true;
+}
+
+// Unlike a picture's file this one is not brought to the disk before its name: waiting would cost more than the file
+// is worth, and the checksum tells what a power cut has left.
+void writeByRename(const std::string& path, std::string_view bytes) {
+  std::string temporary = path + ".XXXXXX";
+  Descriptor file(::mkostemp(temporary.data(), O_CLOEXEC));
+  if (file.number < 0) return;
+  bool whole = writeAll(file.number, bytes);
+  // A network's disk may say that it is full only now.
+  whole &= ::close(std::exchange(file.number, -1)) == 0;
+  if (!whole || ::rename(temporary.c_str(), path.c_str()) != 0) ::unlink(temporary.c_str());
+}
+
+// Of the cache's files, those of other versions of Turner and temporary ones of killed processes included.
+bool isOurs(const std::string& name) {
+  return name.size() >= kHashSize + kSuffix.size() && name.find_first_not_of("0123456789abcdef") == kHashSize &&
+         name.compare(kHashSize, kSuffix.size(), kSuffix) == 0;
+}
+
+}  // namespace
+
+// --- the cache ------------------------------------------------------------------------------------------------------
+
+std::string spirvKey(std::string_view compiler, const std::vector<ShaderSource>& sources) {
+  // Lengths stand before the texts: else two lists of texts could read the same.
+  std::string all(kFormat);
+  const auto add = [&](std::string_view text) { (all += std::to_string(text.size()) += ' ') += text; };
+  add(compiler);
+  for (const ShaderSource& source : sources) {
+    add(source.name);
+    if (source.text)
+      add(*source.text);
+    else
+      all += "unreadable ";
+  }
+  return sha256Hex(all);
+}
+
+std::optional<CachedSpirv> findCached(const std::string& folder, const std::string& key) {
+  if (folder.empty()) return std::nullopt;
+  const std::optional<std::string> bytes = readAndMark(pathOf(folder, key));
+  return bytes ? decode(key, *bytes) : std::nullopt;
+}
+
+void keepCached(const std::string& folder, const std::string& key, const CachedSpirv& spirv) {
+  if (folder.empty()) return;
+  makeCacheFolder(folder);
+  writeByRename(pathOf(folder, key), encode(key, spirv));
+  dropOldest(folder, isOurs, kMostCached);
+}
+
+}  // namespace turner

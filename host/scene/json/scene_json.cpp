@@ -1,0 +1,418 @@
+// Binds the tree of a JSON file to a Scene, field by field, collecting every fault.
+#include "scene/json/scene_json.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <future>
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <map>
+#include <numbers>
+#include <optional>
+#include <unordered_map>
+#include <utility>
+
+#include "base/diagnostics.h"
+#include "base/errors.h"
+#include "base/reserve.h"
+#include "base/text_file.h"
+#include "scene/json/json_fields.h"
+#include "scene/json/json_tree.h"
+#include "scene/obj/mesh_obj.h"
+
+namespace turner {
+
+namespace {
+
+// Beyond every scene's need. What the shader can hold depends on the view, and is checked by checkReach.
+constexpr double kLargest = 1e30;
+
+constexpr NumberRule kAnyNumber{[](double x) { return std::abs(x) <= kLargest; }, "a number from -1e30 to 1e30"};
+constexpr NumberRule kNotNegative{[](double x) { return x >= 0 && x <= kLargest; }, "a number from 0 to 1e30"};
+constexpr NumberRule kPositive{[](double x) { return x > 0 && x <= kLargest; },
+                               "a number greater than 0, at most 1e30"};
+constexpr NumberRule kShare{[](double x) { return x >= 0 && x <= 1; }, "a number from 0 to 1"};
+constexpr NumberRule kFieldOfView{[](double x) { return x > 0 && x < 180; },
+                                  "a number of degrees greater than 0 and less than 180"};
+
+// The same direction, its squares far from overflow and underflow.
+glm::dvec3 scaleToUnitBox(const glm::dvec3& v) {
+  const double largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+  return largest > 0 ? v / largest : v;
+}
+
+// Nothing is seen when there is no direction to look in, or when it leaves open how the camera is turned about it.
+const char* findCameraFault(const Camera& camera) {
+  const glm::dvec3 view = camera.target - camera.eye;
+  // Its square must not vanish, for its length is the unit that the scene is measured in.
+  constexpr double kLeastDistance = 1e-30;
+  if (glm::length(view) < kLeastDistance) return "eye and target are the same point; they must differ";
+  if (camera.up == glm::dvec3(0)) return "up is [0, 0, 0]; it must have a direction";
+  // The sine between the two: decimals may make what is meant to be parallel not quite so.
+  constexpr double kLeastSine = 1e-9;
+  const glm::dvec3 a = scaleToUnitBox(view), b = scaleToUnitBox(camera.up);
+  if (glm::length(glm::cross(a, b)) <= kLeastSine * glm::length(a) * glm::length(b))
+    return "up is parallel to the direction of view; it must point to a side of it";
+  return nullptr;
+}
+
+// Cosine and sine; exact for multiples of 90 degrees, where std::cos of the rounded radians is not.
+std::pair<double, double> cosAndSinOfDegrees(double degrees) {
+  int quarter = 0;
+  const double rest = std::remquo(degrees, 90.0, &quarter) * (std::numbers::pi / 180);
+  const double c = std::cos(rest), s = std::sin(rest);
+  switch (quarter & 3) {
+    case 0:
+      return {c, s};
+    case 1:
+      return {-s, c};
+    case 2:
+      return {-c, -s};
+    default:
+      return {s, -c};
+  }
+}
+
+// Rz * Ry * Rx: about x first.
+glm::dmat3 rotationOfDegrees(const glm::dvec3& degrees) {
+  const auto [cx, sx] = cosAndSinOfDegrees(degrees.x);
+  const auto [cy, sy] = cosAndSinOfDegrees(degrees.y);
+  const auto [cz, sz] = cosAndSinOfDegrees(degrees.z);
+  // glm takes columns.
+  const glm::dmat3 rx(1, 0, 0, 0, cx, sx, 0, -sx, cx);
+  const glm::dmat3 ry(cy, 0, -sy, 0, 1, 0, sy, 0, cy);
+  const glm::dmat3 rz(cz, sz, 0, -sz, cz, 0, 0, 0, 1);
+  return rz * ry * rx;
+}
+
+// Takes the scene out of a tree, section by section; faults are noted and reading goes on.
+class SceneReader {
+ public:
+  SceneReader(const std::string& path, std::string_view text, const JsonTree& tree, Faults& faults)
+      : folder_(std::filesystem::path(path).parent_path()), fields_(tree, text, faults) {
+    // The file's name alone: what is written about a scene does not depend on the folder it lies in.
+    parsed_.scene.sources.push_back({std::filesystem::path(path).filename().string(), sha256Hex(text)});
+  }
+
+  void read();
+  // The faults of the meshes, each line with its place in the mesh's file.
+  const std::string& meshFaults() const { return meshFaults_; }
+  ParsedScene take() { return std::move(parsed_); }
+
+ private:
+  void readCamera(size_t at, const Field& field);
+  void readLight(size_t at, const Field& field);
+  void readFalloff(size_t at, const Field& field, Falloff& falloff);
+  void readMaterial(std::string_view name, size_t at, const Field& field);
+  void readSphere(size_t at, const Field& field);
+  void readTriangle(size_t at, const Field& field);
+  void readNormals(size_t at, const Field& field, Triangle& triangle);
+  void readMesh(size_t at, const Field& field);
+  void readMaterialName(size_t at, const Field& field, uint32_t& material);
+  const Mesh* loadMesh(size_t at, const Field& field, const std::string& file);
+  bool placeMesh(const Mesh& mesh, uint32_t material, double scale, const glm::dvec3& degrees,
+                 const glm::dvec3& translation);
+
+  std::filesystem::path folder_;
+  JsonFields fields_;
+  ParsedScene parsed_;
+  Scene& scene_ = parsed_.scene;
+  std::vector<std::string> materialNames_;
+  std::unordered_map<std::string_view, uint32_t> materials_;
+  std::map<std::string, std::optional<Mesh>> meshes_;  // by path; none where the file has faults
+  std::string meshFaults_;
+};
+
+void SceneReader::read() {
+  const Field root;
+  // The sections may come in any order, but materials are known before what refers to them.
+  size_t materials = 0, spheres = 0, triangles = 0, meshes = 0;  // 0 is the root: not there
+  const auto keep = [](size_t& place) { return [&place](size_t at, const Field&) { place = at; }; };
+  fields_.readObject(
+      0, root,
+      {{"$schema", false,
+        [&](size_t at, const Field& field) {
+          std::string ignored;
+          fields_.readString(at, field, "the address of the schema", ignored);
+        }},
+       {"background", false,
+        [&](size_t at, const Field& field) { fields_.readVector(at, field, kNotNegative, scene_.background); }},
+       {"depth", false,
+        [&](size_t at, const Field& field) { fields_.readInteger(at, field, 1, kMaxDepth, scene_.depth); }},
+       {"width", false,
+        [&](size_t at, const Field& field) { fields_.readInteger(at, field, 1, kMaxSize, scene_.width); }},
+       {"height", false,
+        [&](size_t at, const Field& field) { fields_.readInteger(at, field, 1, kMaxSize, scene_.height); }},
+       {"camera", false, [&](size_t at, const Field& field) { readCamera(at, field); }},
+       {"lights", false,
+        [&](size_t at, const Field& field) {
+          fields_.readArray(at, field, [&](size_t light, const Field& name) { readLight(light, name); });
+        }},
+       {"materials", false, keep(materials)},
+       {"spheres", false, keep(spheres)},
+       {"triangles", false, keep(triangles)},
+       {"meshes", false, keep(meshes)}});
+
+  if (materials) {
+    fields_.readMembers(materials, {&root, "materials"},
+                        [&](std::string_view name, size_t at, const Field& field) { readMaterial(name, at, field); });
+  }
+  if (spheres) {
+    fields_.readArray(spheres, {&root, "spheres"}, [&](size_t at, const Field& field) { readSphere(at, field); });
+  }
+  if (triangles) {
+    fields_.readArray(triangles, {&root, "triangles"}, [&](size_t at, const Field& field) { readTriangle(at, field); });
+  }
+  if (meshes) {
+    fields_.readArray(meshes, {&root, "meshes"}, [&](size_t at, const Field& field) { readMesh(at, field); });
+  }
+}
+
+void SceneReader::readCamera(size_t at, const Field& field) {
+  parsed_.hasCamera = true;
+  Camera& camera = scene_.camera;
+  bool hasEye = false, hasTarget = false, hasUp = true;
+  const auto vectorInto = [&](glm::dvec3& vector, bool& isGood) {
+    return [&](size_t place, const Field& name) { isGood = fields_.readVector(place, name, kAnyNumber, vector); };
+  };
+  fields_.readObject(at, field,
+                     {{"eye", true, vectorInto(camera.eye, hasEye)},
+                      {"target", true, vectorInto(camera.target, hasTarget)},
+                      {"up", false, vectorInto(camera.up, hasUp)},
+                      {"fov", false, [&](size_t place, const Field& name) {
+                         fields_.readNumber(place, name, kFieldOfView, camera.fov);
+                       }}});
+  if (!hasEye || !hasTarget || !hasUp) return;
+  if (const char* fault = findCameraFault(camera)) fields_.addMessage(at, field, fault);
+}
+
+void SceneReader::readFalloff(size_t at, const Field& field, Falloff& falloff) {
+  static const std::vector<std::string> kNames = {"none", "inverse-square"};
+  std::string name;
+  if (!fields_.readString(at, field, "\"none\" or \"inverse-square\"", name)) return;
+  if (name == kNames[0]) {
+    falloff = Falloff::none;
+  } else if (name == kNames[1]) {
+    falloff = Falloff::inverseSquare;
+  } else {
+    fields_.addMessage(at, field, "found " + quote(name) + suggestName(name, kNames, "allowed are"));
+  }
+}
+
+void SceneReader::readLight(size_t at, const Field& field) {
+  Light light;
+  fields_.readObject(
+      at, field,
+      {{"position", true,
+        [&](size_t place, const Field& name) { fields_.readVector(place, name, kAnyNumber, light.position); }},
+       {"color", false,
+        [&](size_t place, const Field& name) { fields_.readVector(place, name, kNotNegative, light.color); }},
+       {"falloff", false, [&](size_t place, const Field& name) { readFalloff(place, name, light.falloff); }}});
+  scene_.lights.push_back(light);
+}
+
+void SceneReader::readMaterial(std::string_view name, size_t at, const Field& field) {
+  Material material;
+  material.name = name;
+  bool hasShares = true;
+  size_t ior = 0;
+  const auto vectorInto = [&](glm::dvec3& vector) {
+    return [&](size_t place, const Field& key) { fields_.readVector(place, key, kNotNegative, vector); };
+  };
+  const auto shareInto = [&](double& share) {
+    return [&](size_t place, const Field& key) { hasShares &= fields_.readNumber(place, key, kShare, share); };
+  };
+  fields_.readObject(
+      at, field,
+      {{"diffuse", false, vectorInto(material.diffuse)},
+       {"specular", false, vectorInto(material.specular)},
+       {"shininess", false,
+        [&](size_t place, const Field& key) { fields_.readNumber(place, key, kNotNegative, material.shininess); }},
+       {"reflect", false, shareInto(material.reflect)},
+       {"transmit", false, shareInto(material.transmit)},
+       {"ior", false, [&](size_t place, const Field& key) {
+          if (fields_.readNumber(place, key, kAnyNumber, material.ior)) ior = place;
+        }}});
+
+  // Exact on decimals too: where r + t is meant to be 1 the sum rounds to 1, while 1 - r - t may leave a remainder.
+  const double sum = material.reflect + material.transmit;
+  if (hasShares && sum > 1) {
+    fields_.addMessage(at, field, "reflect and transmit together are more than 1; at most all light can be passed on");
+  }
+  material.localWeight = std::max(0.0, 1 - sum);
+  if (ior && material.transmit > 0 && material.ior <= 0) {
+    fields_.addFault(ior, Field{&field, "ior"}, "a number greater than 0 where the material transmits");
+  }
+
+  materials_.emplace(name, static_cast<uint32_t>(scene_.materials.size()));
+  materialNames_.emplace_back(name);
+  scene_.materials.push_back(std::move(material));
+}
+
+void SceneReader::readMaterialName(size_t at, const Field& field, uint32_t& material) {
+  std::string name;
+  if (!fields_.readString(at, field, "the name of a material", name)) return;
+  if (const auto known = materials_.find(name); known != materials_.end()) {
+    material = known->second;
+  } else {
+    fields_.addMessage(at, field,
+                       "found " + quote(name) +
+                           (materialNames_.empty() ? std::string("; the scene has no materials")
+                                                   : suggestName(name, materialNames_, "the materials are")));
+  }
+}
+
+void SceneReader::readSphere(size_t at, const Field& field) {
+  Sphere sphere;
+  fields_.readObject(
+      at, field,
+      {{"center", true,
+        [&](size_t place, const Field& name) { fields_.readVector(place, name, kAnyNumber, sphere.center); }},
+       {"radius", false,
+        [&](size_t place, const Field& name) { fields_.readNumber(place, name, kPositive, sphere.radius); }},
+       {"material", true, [&](size_t place, const Field& name) { readMaterialName(place, name, sphere.material); }}});
+  scene_.spheres.push_back(sphere);
+}
+
+void SceneReader::readTriangle(size_t at, const Field& field) {
+  Triangle triangle{};
+  triangle.normals = kNoNormals;
+  fields_.readObject(
+      at, field,
+      {{"vertices", true,
+        [&](size_t place, const Field& name) { fields_.readVectors(place, name, kAnyNumber, triangle.vertices); }},
+       {"normals", false, [&](size_t place, const Field& name) { readNormals(place, name, triangle); }},
+       {"material", true, [&](size_t place, const Field& name) { readMaterialName(place, name, triangle.material); }}});
+  scene_.triangles.push_back(triangle);
+}
+
+void SceneReader::readNormals(size_t at, const Field& field, Triangle& triangle) {
+  std::array<glm::dvec3, 3> normals{};
+  if (!fields_.readVectors(at, field, kAnyNumber, normals)) return;
+  // The squares of float32 numbers outside of this are 0 or infinite.
+  constexpr double kShortest = 1e-15, kLongest = 1e15;
+  bool isGood = true;
+  fields_.readArray(at, field, [&](size_t place, const Field& name) {
+    const double length = glm::length(normals[name.index]);
+    if (length >= kShortest && length <= kLongest) return;
+    fields_.addMessage(place, name,
+                       "found a normal of length " + std::string(length == 0 ? "0" : "out of range") +
+                           "; its length must be from 1e-15 to 1e15");
+    isGood = false;
+  });
+  if (!isGood) return;
+  triangle.normals = static_cast<uint32_t>(scene_.normals.size());
+  scene_.normals.push_back(normals);
+}
+
+void SceneReader::readMesh(size_t at, const Field& field) {
+  const Mesh* mesh = nullptr;
+  uint32_t material = 0;
+  double scale = 1;
+  glm::dvec3 degrees{0}, translation{0};
+  const auto vectorInto = [&](glm::dvec3& vector) {
+    return [&](size_t place, const Field& name) { fields_.readVector(place, name, kAnyNumber, vector); };
+  };
+  fields_.readObject(
+      at, field,
+      {{"file", true,
+        [&](size_t place, const Field& name) {
+          std::string file;
+          if (fields_.readString(place, name, "the path of an .obj file", file)) mesh = loadMesh(place, name, file);
+        }},
+       {"material", true, [&](size_t place, const Field& name) { readMaterialName(place, name, material); }},
+       {"scale", false, [&](size_t place, const Field& name) { fields_.readNumber(place, name, kPositive, scale); }},
+       {"rotate", false, vectorInto(degrees)},
+       {"translate", false, vectorInto(translation)}});
+  if (mesh && !placeMesh(*mesh, material, scale, degrees, translation)) {
+    fields_.addMessage(at, field, "the mesh, scaled and moved, reaches beyond 1e30; its vertices must stay within");
+  }
+}
+
+const Mesh* SceneReader::loadMesh(size_t at, const Field& field, const std::string& file) {
+  if (lowerExtension(file) != ".obj" || file.find('\0') != std::string::npos) {
+    fields_.addFault(at, field, "the path of an .obj file");
+    return nullptr;
+  }
+
+  const std::string path = (folder_ / file).lexically_normal().string();
+  const auto [entry, isNew] = meshes_.try_emplace(path);
+  std::optional<Mesh>& mesh = entry->second;
+  if (!isNew) return mesh ? &*mesh : nullptr;
+
+  std::string text;
+  try {
+    text = readRegularFile(path);
+  } catch (const InputError& error) {
+    // It says "PATH: error: REASON"; the place here is that of the name in the scene.
+    std::string reason = error.what();
+    if (const std::string prefix = path + ": error: "; reason.starts_with(prefix)) reason.erase(0, prefix.size());
+    fields_.addMessage(at, field, "found " + quote(file) + "; " + reason);
+    return nullptr;
+  }
+  std::future<std::string> hash = std::async(sha256Hex, std::string_view(text));  // beside the parser, on another core
+  try {
+    mesh = parseObj(path, text);
+  } catch (const InputError& error) {
+    if (!meshFaults_.empty()) meshFaults_ += '\n';
+    meshFaults_ += error.what();
+    return nullptr;
+  }
+  scene_.sources.push_back({file, hash.get()});
+  return &*mesh;
+}
+
+// Appends the faces; false if one of them would lie out of range.
+bool SceneReader::placeMesh(const Mesh& mesh, uint32_t material, double scale, const glm::dvec3& degrees,
+                            const glm::dvec3& translation) {
+  const glm::dmat3 rotation = rotationOfDegrees(degrees);
+  const auto place = [&](const glm::dvec3& position) { return rotation * (scale * position) + translation; };
+  for (const glm::dvec3& position : mesh.positions) {
+    const glm::dvec3 placed = place(position);
+    if (!(kAnyNumber.holds(placed.x) && kAnyNumber.holds(placed.y) && kAnyNumber.holds(placed.z))) return false;
+  }
+
+  const auto isSmooth = [](const Mesh::Face& face) { return face.normals[0] != UINT32_MAX; };
+  makeRoom(scene_.triangles, mesh.faces.size());
+  makeRoom(scene_.normals, size_t(std::count_if(mesh.faces.begin(), mesh.faces.end(), isSmooth)));
+  for (const Mesh::Face& face : mesh.faces) {
+    Triangle triangle{};
+    triangle.material = material;
+    triangle.normals = kNoNormals;
+    // Placed for each triangle anew, though triangles share vertices: placed copies would take memory and more time.
+    for (size_t i = 0; i < 3; ++i) triangle.vertices[i] = place(mesh.positions[face.vertices[i]]);
+    if (isSmooth(face)) {
+      triangle.normals = static_cast<uint32_t>(scene_.normals.size());
+      std::array<glm::dvec3, 3>& normals = scene_.normals.emplace_back();
+      for (size_t i = 0; i < 3; ++i) normals[i] = rotation * scaleToUnitBox(mesh.normals[face.normals[i]]);
+    }
+    scene_.triangles.push_back(triangle);
+  }
+  return true;
+}
+
+}  // namespace
+
+ParsedScene parseJsonScene(const std::string& path, std::string_view text) {
+  Faults faults(path, text);
+  const JsonTree tree = parseJson(text, faults);
+  faults.throwIfAny();
+
+  SceneReader reader(path, text, tree, faults);
+  reader.read();
+  if (reader.meshFaults().empty()) {
+    faults.throwIfAny();
+    return reader.take();
+  }
+  // The scene's own faults first, then those of its meshes: the user is to see all of them.
+  try {
+    faults.throwIfAny();
+  } catch (const InputError& error) {
+    throw InputError(error.what() + ('\n' + reader.meshFaults()));
+  }
+  throw InputError(reader.meshFaults());
+}
+
+}  // namespace turner

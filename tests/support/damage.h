@@ -1,0 +1,47 @@
+// Damaged texts for parsers: whatever the bytes, a parser gives a result or an InputError, and never crashes.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <functional>
+#include <random>
+#include <string>
+
+#include "base/errors.h"
+
+namespace turner::test {
+
+// Parses a text. True for a result; an InputError must begin with the file's name.
+inline bool survives(const std::function<void(const std::string&)>& parse, const std::string& text,
+                     const std::string& file) {
+  try {
+    parse(text);
+    return true;
+  } catch (const InputError& error) {
+    EXPECT_EQ(std::string(error.what()).rfind(file + ':', 0), 0u) << error.what();
+    return false;
+  }
+}
+
+// Cut at every byte; a few bytes changed, 2000 times; nothing but noise.
+inline void expectSurvivesDamage(const std::function<void(const std::string&)>& parse, const std::string& text,
+                                 const std::string& file) {
+  EXPECT_TRUE(survives(parse, text, file)) << "the whole text must be right";
+  for (size_t length = 0; length < text.size(); ++length) survives(parse, text.substr(0, length), file);
+
+  std::mt19937_64 random(1);
+  int refused = 0;
+  for (int trial = 0; trial < 2000; ++trial) {
+    std::string damaged = text;
+    for (uint64_t k = 1 + random() % 4; k > 0; --k) damaged[random() % damaged.size()] = char(random());
+    refused += !survives(parse, damaged, file);
+  }
+  EXPECT_GT(refused, 1000);
+
+  std::string noise(100'000, '\0');
+  for (char& byte : noise) byte = char(random());
+  EXPECT_FALSE(survives(parse, noise, file));
+}
+
+}  // namespace turner::test

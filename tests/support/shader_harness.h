@@ -1,0 +1,76 @@
+// The shader's path from a scene to a picture, for tests: one device and one compiled kernel for the whole program.
+// Without a Vulkan device these throw, and the test fails.
+#pragma once
+
+#include <cstdlib>
+#include <memory>
+#include <string>
+
+#include "accel/bvh.h"
+#include "geometry/round_scene.h"
+#include "gpu/devices.h"
+#include "gpu/pack_scene.h"
+#include "gpu/renderer.h"
+#include "image/settings.h"
+#include "kernel/compile.h"
+
+namespace turner::test {
+
+inline std::string wantedDevice() {
+  const char* wanted = std::getenv("TURNER_DEVICE");
+  return wanted ? wanted : "";
+}
+
+// Empty until the first use. endRenderer() empties it again before the program ends: by its exit a validation layer may
+// have lost its own statics, and would abort.
+inline std::unique_ptr<ShaderRenderer>& rendererSlot() {
+  static std::unique_ptr<ShaderRenderer> slot;
+  return slot;
+}
+
+inline void endRenderer() {
+  rendererSlot().reset();
+}
+
+inline ShaderRenderer& renderer() {
+  std::unique_ptr<ShaderRenderer>& slot = rendererSlot();
+  if (!slot) slot = std::make_unique<ShaderRenderer>(chooseDevice(listDevices(), wantedDevice()));
+  return *slot;
+}
+
+inline Spirv compileKernel(Fetch fetch) {
+  return compileGlsl(TURNER_SHADERS_DIR "/whitted.comp", fetchPreamble(fetch));
+}
+
+inline const Spirv& kernel() {
+  static const Spirv spirv = compileKernel(renderer().fetch());
+  return spirv;
+}
+
+inline PackedScene packed(const Scene& scene, const RenderSettings& settings, Cubes cubes = Cubes::lists) {
+  const Shapes shapes = shapesOf(roundScene(scene));
+  return packScene(shapes, buildBvh(shapes.boxes, shapes.firstPair()), settings, cubes);
+}
+
+inline Image renderShader(const Scene& scene, const RenderSettings& settings, const Dispatching& dispatching = {}) {
+  renderer().upload(packed(scene, settings));
+  return renderer().render(kernel(), settings, {}, dispatching).image;
+}
+
+inline RayCounts countShaderRays(const Scene& scene, const RenderSettings& settings,
+                                 const Dispatching& dispatching = {}) {
+  renderer().upload(packed(scene, settings));
+  return renderer().countVisits(kernel(), settings, {}, dispatching).rays;
+}
+
+inline RenderSettings settingsOf(const Scene& scene, int width, int height, int samples = 1) {
+  RenderSettings settings;
+  settings.width = width;
+  settings.height = height;
+  settings.crop = {0, 0, width, height};
+  settings.samples = samples;
+  settings.depth = scene.depth;
+  return settings;
+}
+
+}  // namespace turner::test

@@ -1,0 +1,378 @@
+// Lists of what rays through a point can hit: nothing is missing, nearest first, and no scene makes them huge. Rays
+// look their lists up here as shaders/cube.glsl does, in float; what they hit is computed in double.
+#include "accel/light_buffer.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <random>
+#include <set>
+
+#include "gpu/pack_scene.h"
+
+namespace turner {
+namespace {
+
+using glm::dvec3;
+using gpu::Row;
+using gpu::uint;
+
+struct RandomNumbers {
+  std::mt19937_64 engine;
+  double between(double a, double b) { return std::uniform_real_distribution<double>(a, b)(engine); }
+  double size(double a, double b) { return std::exp(between(std::log(a), std::log(b))); }
+  dvec3 point(double reach) { return {between(-reach, reach), between(-reach, reach), between(-reach, reach)}; }
+  size_t index(size_t count) { return size_t(engine() % count); }
+};
+
+dvec3 toFloat(const dvec3& v) {
+  return {double(float(v.x)), double(float(v.y)), double(float(v.z))};
+}
+
+// What the lists are made over.
+struct Listed {
+  Shapes shapes;
+  Bvh bvh;
+  std::vector<uint> references;  // the place is the index in Bvh::order: that is enough here
+
+  explicit Listed(Scene scene) {
+    for (Sphere& sphere : scene.spheres) sphere.center = toFloat(sphere.center), sphere.radius = float(sphere.radius);
+    for (Triangle& triangle : scene.triangles)
+      for (dvec3& vertex : triangle.vertices) vertex = toFloat(vertex);
+    shapes = shapesOf(std::move(scene));
+    bvh = buildBvh(shapes.boxes, shapes.firstPair());
+    for (uint i = 0; i < bvh.order.size(); ++i)
+      references.push_back((bvh.order[i] >= shapes.firstPair() ? gpu::kRefTriangle : 0) | i);
+  }
+  CubeTree tree() const { return {shapes, bvh, references}; }
+  const std::vector<Triangle>& triangles() const { return shapes.scene.triangles; }
+};
+
+CubePoint pointAt(const dvec3& position, size_t rays, int walk = 0) {
+  CubePoint point;
+  point.position = position;
+  point.rays = rays;
+  point.kernelWalk = walk;
+  return point;
+}
+
+struct Entry {
+  uint reference;
+  float distance;
+};
+
+Entry entryAt(const DirectionCubes& cubes, uint index) {
+  const Row& row = cubes.rows.at(index / 2);
+  return index % 2 ? Entry{std::bit_cast<uint>(row.z), std::bit_cast<float>(row.w)}
+                   : Entry{std::bit_cast<uint>(row.x), row.y};
+}
+
+// A quotient that is off by so many ulp: Vulkan allows a division 2.5.
+float quotient(float a, float b, int ulps) {
+  float result = a / b;
+  for (; ulps > 0; --ulps) result = std::nextafterf(result, INFINITY);
+  for (; ulps < 0; ++ulps) result = std::nextafterf(result, -INFINITY);
+  return result;
+}
+
+// The list of a direction's cell, in the arithmetic of cubeList().
+struct List {
+  int axis;
+  uint first, end, triangles;
+};
+
+List listOf(const DirectionCubes& cubes, size_t point, const glm::vec3& d, int ulps = 0) {
+  const glm::vec3 size = glm::abs(d);
+  const int axis = size.x > size.y ? (size.x > size.z ? 0 : 2) : (size.y > size.z ? 1 : 2);
+  const float u = quotient(d[(axis + 1) % 3], d[axis], ulps), v = quotient(d[(axis + 2) % 3], d[axis], ulps);
+  const Row& face = cubes.rows.at(6 * point + 2 * size_t(axis) + (d[axis] < 0));
+  const uint side = face.w & 255, firstCell = face.w >> 8;
+  const auto place = [&](float x, float corner) {
+    return std::min(std::max((x - corner) * face.z, 0.0f), float(side) - 0.001f);
+  };
+  const float x = place(u, face.x), y = place(v, face.y);
+  const Row& coarse = cubes.rows.at(firstCell + uint(y) * side + uint(x));
+  const uint fine = std::bit_cast<uint>(coarse.y);
+  const auto within = [&](float p) { return uint((p - std::floor(p)) * float(fine)); };
+  const Row& cell = cubes.rows.at(std::bit_cast<uint>(coarse.x) + within(y) * fine + within(x));
+  return {axis, std::bit_cast<uint>(cell.x), std::bit_cast<uint>(cell.y), std::bit_cast<uint>(cell.z)};
+}
+
+constexpr double kMiss = std::numeric_limits<double>::infinity();
+
+double distanceTo(const Sphere& sphere, const dvec3& origin, const dvec3& d) {
+  const dvec3 f = origin - sphere.center;
+  const double b = -glm::dot(f, d), squared = glm::dot(d, d);
+  const dvec3 across = f + b / squared * d;
+  const double rest = sphere.radius * sphere.radius - glm::dot(across, across);
+  if (rest < 0) return kMiss;
+  const double half = std::sqrt(rest * squared);
+  return b - half > 0 ? (b - half) / squared : b + half > 0 ? (b + half) / squared : kMiss;
+}
+
+double distanceTo(const Triangle& triangle, const dvec3& origin, const dvec3& d) {
+  const auto& [a, b, c] = triangle.vertices;
+  const dvec3 e1 = b - a, e2 = c - a, p = glm::cross(d, e2), s = origin - a, q = glm::cross(s, e1);
+  const double det = glm::dot(p, e1), u = glm::dot(s, p) / det, v = glm::dot(d, q) / det;
+  const double t = glm::dot(e2, q) / det;
+  return u >= 0 && v >= 0 && u + v <= 1 && t > 0 ? t : kMiss;
+}
+
+// To the nearest of a shape, by its box.
+double distanceTo(const Shapes& shapes, uint box, const dvec3& origin, const dvec3& d) {
+  if (box < shapes.firstPair()) return distanceTo(shapes.scene.spheres[box], origin, d);
+  const TrianglePair& pair = shapes.pairs[box - shapes.firstPair()];
+  const double t = distanceTo(shapes.scene.triangles[pair.first], origin, d);
+  return pair.isAlone() ? t : std::min(t, distanceTo(shapes.scene.triangles[pair.second], origin, d));
+}
+
+// The shapes below a node, with the least distance that the list tells for them.
+void collect(const Bvh& bvh, const BvhChild& child, float distance, std::vector<float>& found) {
+  if (child.count == 0)
+    for (const BvhChild& below : bvh.nodes[child.first].children) collect(bvh, below, distance, found);
+  else
+    for (uint i = child.first; i < child.first + child.count; ++i) found[i] = std::min(found[i], distance);
+}
+
+// Whatever a ray from the point hits must be in its list, and not be told to be farther than it is.
+void expectHitsInList(const Listed& listed, const DirectionCubes& cubes, size_t index, const CubePoint& point,
+                      const glm::vec3& d) {
+  for (const int ulps : {-2, 0, 2}) {
+    const List list = listOf(cubes, index, d, ulps);
+    std::vector<float> found(listed.bvh.order.size(), INFINITY);
+    for (uint i = list.first; i < list.end; ++i) {
+      const Entry entry = entryAt(cubes, i);
+      const bool isShape = entry.reference & gpu::kRefLeaf;
+      const uint at = isShape ? entry.reference & gpu::kRefPlaceMask : entry.reference;
+      collect(listed.bvh, {{}, at, isShape ? 1u : 0u}, entry.distance, found);
+    }
+    for (size_t i = 0; i < found.size(); ++i) {
+      const uint box = listed.bvh.order[i];
+      const double t = distanceTo(listed.shapes, box, point.position, d);
+      if (t == kMiss) continue;
+      ASSERT_NE(found[i], INFINITY) << "shape " << box << " is missing at t = " << t;
+      ASSERT_LE(found[i], t * std::abs(d[list.axis]) * (1 + 0x1p-18)) << "shape " << box << " comes too late";
+    }
+  }
+}
+
+// Small and large, near and far, slivers among them; flat and folded pairs, some of whose corners do not stick out.
+Scene mixture(RandomNumbers& random, int count) {
+  Scene scene;
+  const double largest = random.size(0.05, 2);
+  for (int i = 0; i < count; ++i) {
+    const dvec3 at = random.point(1);
+    const double size = random.size(1e-4, largest);
+    if (i % 3 == 0) {
+      scene.spheres.push_back({at, size, 0});
+    } else {
+      const dvec3 edge = random.point(size);
+      const dvec3 other = i % 3 == 1 ? random.point(size) : random.between(0, 1) * edge + random.point(1e-5 * size);
+      scene.triangles.push_back({{at, at + edge, at + other}, 0});
+      if (i % 2) scene.triangles.push_back({{at + edge, at, at + (i % 4 == 1 ? edge - other : random.point(size))}, 0});
+    }
+  }
+  return scene;
+}
+
+TEST(DirectionCube, HoldsWhateverRaysHit) {
+  RandomNumbers random{std::mt19937_64(7)};
+  for (int trial = 0; trial < 60; ++trial) {
+    SCOPED_TRACE("trial " + std::to_string(trial));
+    const Listed listed(mixture(random, 3 + trial * 4));
+    const Triangle& triangle = listed.triangles()[random.index(listed.triangles().size())];
+    std::vector<CubePoint> points;
+    const size_t rays = size_t(1) << (8 + trial % 5 * 4);
+    for (const dvec3& position :
+         {random.point(1), random.point(4), dvec3(1e3, -400, 20), dvec3(-1e6, 3e5, 2e5), dvec3(0), triangle.vertices[0],
+          (triangle.vertices[0] + triangle.vertices[1] + triangle.vertices[2]) / 3.0})
+      points.push_back(pointAt(toFloat(position), rays));
+    const DirectionCubes cubes = buildDirectionCubes(points, listed.tree());
+    for (size_t p = 0; p < points.size(); ++p) {
+      for (int ray = 0; ray < 40; ++ray) {
+        // Half of the rays go to a corner or an edge of something, where a cell ends most likely.
+        const Triangle& goal = listed.triangles()[random.index(listed.triangles().size())];
+        const auto& [a, b, c] = goal.vertices;
+        const double s = ray % 4 == 0 ? 0 : random.between(0, 1);
+        const dvec3 target = ray % 2 ? random.point(1) : s * a + (1 - s) * (ray % 3 ? b : c);
+        const glm::vec3 d = target - points[p].position;
+        if (d != glm::vec3(0)) expectHitsInList(listed, cubes, p, points[p], d);
+        if (HasFatalFailure()) return;
+      }
+    }
+  }
+}
+
+// Where cells are divided most, and where rays graze their borders and the diagonals of the cube.
+TEST(DirectionCube, HoldsWhateverRaysAlongBordersOfCellsHit) {
+  RandomNumbers random{std::mt19937_64(8)};
+  const Listed listed(mixture(random, 120));
+  const CubePoint point = pointAt(toFloat(random.point(0.5)), size_t(1) << 24);
+  const DirectionCubes cubes = buildDirectionCubes(std::span(&point, 1), listed.tree());
+  for (int ray = 0; ray < 4000; ++ray) {
+    const auto coordinate = [&] {
+      const float u = ray % 5 == 0 ? 1 : float(std::round(random.between(-4096, 4096)) / 4096);
+      const float next = std::nextafterf(u, float(random.between(-2, 2)));
+      return random.index(2) ? -next : next;
+    };
+    const float u = coordinate(), v = coordinate();
+    const float sign = random.index(2) ? 1.0f : -1.0f;
+    const glm::vec3 d = ray % 3 == 0   ? glm::vec3(sign, u, v)
+                        : ray % 3 == 1 ? glm::vec3(v, sign, u)
+                                       : glm::vec3(u, v, sign);
+    expectHitsInList(listed, cubes, 0, point, d);
+    if (HasFatalFailure()) return;
+  }
+}
+
+// Far away the boxes' padding is less than what a float can tell of u and v, and cells end where tiles do.
+TEST(DirectionCube, HoldsWhateverRaysFromAfarHit) {
+  RandomNumbers random{std::mt19937_64(13)};
+  Scene scene;
+  constexpr int kTiles = 32;
+  const auto corner = [](int x, int y) { return dvec3(x * 2.0 / kTiles - 1, y * 2.0 / kTiles - 1, 0); };
+  for (int y = 0; y < kTiles; ++y)
+    for (int x = 0; x < kTiles; ++x) {
+      scene.triangles.push_back({{corner(x, y), corner(x + 1, y), corner(x + 1, y + 1)}, 0});
+      scene.triangles.push_back({{corner(x, y), corner(x + 1, y + 1), corner(x, y + 1)}, 0});
+    }
+  const Listed listed(std::move(scene));
+  const CubePoint point = pointAt({600, -500, 1000}, 1 << 22);
+  const DirectionCubes cubes = buildDirectionCubes(std::span(&point, 1), listed.tree());
+  for (int ray = 0; ray < 4000; ++ray) {
+    const dvec3 seam = corner(int(random.index(kTiles)), int(random.index(kTiles)));
+    const dvec3 beside(random.between(-1, 1) * (ray % 2 ? 3e-5 : 0.01), random.between(-1, 1) * 3e-5, 0);
+    expectHitsInList(listed, cubes, 0, point, glm::vec3(seam + beside - point.position));
+    if (HasFatalFailure()) return;
+  }
+}
+
+// More shapes than lists open to the last: they keep nodes, and replace those that cover a cell.
+TEST(DirectionCube, HoldsWhateverRaysHitOfALargeScene) {
+  RandomNumbers random{std::mt19937_64(14)};
+  Scene scene;
+  constexpr int kTiles = 420;
+  const auto corner = [&](int x, int y) {
+    return dvec3(x * 2.0 / kTiles - 1, y * 2.0 / kTiles - 1, 0.02 * std::sin(0.3 * x) * std::sin(0.2 * y));
+  };
+  for (int y = 0; y < kTiles; ++y)
+    for (int x = 0; x < kTiles; ++x) {
+      scene.triangles.push_back({{corner(x, y), corner(x + 1, y), corner(x + 1, y + 1)}, 0});
+      scene.triangles.push_back({{corner(x, y), corner(x + 1, y + 1), corner(x, y + 1)}, 0});
+    }
+  const Listed listed(std::move(scene));
+  ASSERT_EQ(listed.shapes.pairs.size(), size_t(kTiles * kTiles));
+  const std::vector<CubePoint> points = {pointAt({0.5, -0.5, 2}, 1 << 16), pointAt({0.2, 0.3, 0.1}, 1 << 20)};
+  const DirectionCubes cubes = buildDirectionCubes(points, listed.tree());
+  EXPECT_TRUE(cubes.meetsNodes[0] && cubes.meetsNodes[1]);
+  for (int ray = 0; ray < 60; ++ray) {
+    const dvec3 seam = corner(int(random.index(kTiles)), int(random.index(kTiles)));
+    for (size_t p = 0; p < points.size(); ++p)
+      expectHitsInList(listed, cubes, p, points[p], glm::vec3(seam + random.point(1e-4) - points[p].position));
+    if (HasFatalFailure()) return;
+  }
+}
+
+// Every list that a row can lead to.
+template <class Visit>
+void forAllLists(const DirectionCubes& cubes, size_t points, const Visit& visit) {
+  std::set<size_t> coarse;
+  for (size_t f = 0; f < 6 * points; ++f) {
+    const uint side = cubes.rows.at(f).w & 255, first = cubes.rows.at(f).w >> 8;
+    for (uint i = 0; i < side * side; ++i) coarse.insert(first + i);
+  }
+  for (const size_t cell : coarse) {
+    const uint first = std::bit_cast<uint>(cubes.rows.at(cell).x), side = std::bit_cast<uint>(cubes.rows.at(cell).y);
+    for (uint i = 0; i < side * side; ++i) {
+      const Row& row = cubes.rows.at(first + i);
+      visit(std::bit_cast<uint>(row.x), std::bit_cast<uint>(row.y), std::bit_cast<uint>(row.z));
+    }
+  }
+}
+
+TEST(DirectionCube, ListsAreSortedSpheresFirst) {
+  RandomNumbers random{std::mt19937_64(9)};
+  for (const int count : {30, 3000}) {
+    const Listed listed(mixture(random, count));
+    const CubePoint point = pointAt({3, 0, 1}, 1 << 16);
+    const DirectionCubes cubes = buildDirectionCubes(std::span(&point, 1), listed.tree());
+    size_t lists = 0, nodes = 0;
+    forAllLists(cubes, 1, [&](uint first, uint end, uint triangles) {
+      ++lists;
+      ASSERT_LE(first, end);
+      ASSERT_LE(end, 2 * cubes.rows.size());
+      for (uint i = first; i < end; ++i) {
+        const Entry entry = entryAt(cubes, i);
+        ASSERT_GE(entry.distance, 0);
+        nodes += (entry.reference & gpu::kRefLeaf) == 0;
+        if (i > first && (cubes.meetsNodes[0] || i != triangles)) {
+          ASSERT_LE(entryAt(cubes, i - 1).distance, entry.distance);
+        }
+        if (!cubes.meetsNodes[0]) {
+          ASSERT_EQ((entry.reference & gpu::kRefTriangle) != 0, i >= triangles);
+        }
+      }
+    });
+    EXPECT_GT(lists, 10u);
+    if (!cubes.meetsNodes[0]) {
+      EXPECT_EQ(nodes, 0u);
+    }
+  }
+}
+
+TEST(DirectionCube, IsTheSameTwice) {
+  RandomNumbers random{std::mt19937_64(10)};
+  const Listed listed(mixture(random, 500));
+  const std::vector<CubePoint> points = {pointAt({0, 0, 3}, 1 << 16), pointAt({1, 2, 0}, 1 << 16, 1)};
+  const DirectionCubes a = buildDirectionCubes(points, listed.tree()), b = buildDirectionCubes(points, listed.tree());
+  ASSERT_EQ(a.rows.size(), b.rows.size());
+  EXPECT_EQ(0, std::memcmp(a.rows.data(), b.rows.data(), a.rows.size() * sizeof(Row)));
+  EXPECT_EQ(a.meetsNodes, b.meetsNodes);
+}
+
+TEST(DirectionCube, OfAnEmptySceneHasEmptyLists) {
+  const Listed listed((Scene()));
+  const std::vector<CubePoint> points = {pointAt({0, 0, 0}, 100), pointAt({1, 2, 3}, 100, 1)};
+  for (const DirectionCubes& cubes :
+       {buildDirectionCubes(points, listed.tree()), wholeTreeCubes(points, listed.tree())}) {
+    for (const glm::vec3& d : {glm::vec3(1, 0.5f, 0.2f), glm::vec3(-0.1f, -1, 0), glm::vec3(0, 0, 1e9f)}) {
+      for (size_t p = 0; p < 2; ++p) {
+        const List list = listOf(cubes, p, d);
+        EXPECT_EQ(list.first, list.end);
+        EXPECT_NO_THROW(entryAt(cubes, list.first));  // a walk looks at one before it compares
+      }
+    }
+  }
+}
+
+// A light more costs less and less.
+TEST(DirectionCube, ManyLightsStayBounded) {
+  RandomNumbers random{std::mt19937_64(11)};
+  const Listed listed(mixture(random, 150));
+  std::vector<CubePoint> points;
+  for (int i = 0; i < 300; ++i) points.push_back(pointAt(toFloat(random.point(1)), 1 << 20));
+  const DirectionCubes cubes = buildDirectionCubes(points, listed.tree());
+  EXPECT_LT(cubes.rows.size() * sizeof(Row), size_t(1) << 29);
+}
+
+// Where hundreds of triangles cross every cell, no division helps.
+TEST(DirectionCube, PointAmongLargeTrianglesStaysBounded) {
+  RandomNumbers random{std::mt19937_64(12)};
+  Scene scene;
+  for (int i = 0; i < 2500; ++i) {
+    const dvec3 at = random.point(1);
+    scene.triangles.push_back({{at, at + random.point(1), at + random.point(1)}, 0});
+  }
+  const Listed listed(std::move(scene));
+  CubePoint point = pointAt({0, 0, 0}, 1 << 16);
+  const DirectionCubes cubes = buildDirectionCubes(std::span(&point, 1), listed.tree());
+  EXPECT_LT(cubes.rows.size() * sizeof(Row), size_t(1) << 28);
+}
+
+}  // namespace
+}  // namespace turner

@@ -1,0 +1,507 @@
+// What an edited kernel may declare otherwise than the host expects it, and what it may not.
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "base/errors.h"
+#include "base/text_file.h"
+#include "kernel/buffer_access.h"
+#include "kernel/compile.h"
+#include "kernel/kernel_check.h"
+#include "kernel/shader_sources.h"
+#include "kernel/spirv_words.h"
+#include "layout.h"
+
+namespace turner {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+constexpr Fetch kAllWays[] = {Fetch::texels, Fetch::buffers, Fetch::addresses};
+
+std::string shaderPath(const std::string& file) {
+  return TURNER_SHADERS_DIR "/" + file;
+}
+
+struct Edit {
+  std::string file, from, to;
+};
+
+// The kernel's sources with some texts replaced, each of which must stand in its file once.
+std::vector<ShaderSource> edited(const std::vector<Edit>& edits) {
+  std::vector<ShaderSource> sources = readShaderSources(shaderPath("whitted.comp"));
+  for (const Edit& edit : edits) {
+    const auto source = std::find_if(sources.begin(), sources.end(),
+                                     [&](const ShaderSource& s) { return s.path == shaderPath(edit.file); });
+    if (source == sources.end()) throw RunError("no source " + edit.file);
+    const size_t at = source->text->find(edit.from);
+    if (at == std::string::npos || source->text->find(edit.from, at + 1) != std::string::npos)
+      throw RunError("'" + edit.from + "' does not stand once in " + edit.file);
+    source->text->replace(at, edit.from.size(), edit.to);
+  }
+  return sources;
+}
+
+// Empty if the kernel may be used.
+std::string complaintAbout(const std::vector<ShaderSource>& sources, Fetch fetch) {
+  const Spirv kernel = compileGlsl(sources, fetchPreamble(fetch));
+  try {
+    checkKernel(kernel, sources, fetch);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+std::string complaintAbout(const std::vector<Edit>& edits, Fetch fetch = Fetch::buffers) {
+  return complaintAbout(edited(edits), fetch);
+}
+
+// "path:12:3: error: " of the first byte of `at` in the edited file.
+std::string placeOf(const std::vector<Edit>& edits, const std::string& file, const std::string& at) {
+  for (const ShaderSource& source : edited(edits)) {
+    if (source.path != shaderPath(file)) continue;
+    const size_t offset = source.text->find(at);
+    if (offset == std::string::npos) throw RunError("'" + at + "' does not stand in " + file);
+    const std::string before = source.text->substr(0, offset);
+    return source.path + ':' + std::to_string(1 + std::count(before.begin(), before.end(), '\n')) + ':' +
+           std::to_string(before.size() - (before.rfind('\n') + 1) + 1) + ": error: ";
+  }
+  throw RunError("no source " + file);
+}
+
+size_t linesOf(const std::string& text) {
+  return text.empty() ? 0 : size_t(1 + std::count(text.begin(), text.end(), '\n'));
+}
+
+// A kernel that uses nothing of the host's but what the declarations and statements do.
+std::vector<ShaderSource> smallKernel(const std::string& declarations, const std::string& statements) {
+  std::vector<ShaderSource> sources = readShaderSources(shaderPath("whitted.comp"));
+  sources[0].text =
+      "#version 460\n#extension GL_GOOGLE_include_directive : require\n#include \"layout.h\"\n"
+      "layout(local_size_x_id = kSpecWorkGroup, local_size_y = 1, local_size_z = 1) in;\n"
+      "layout(std430, binding = kBindPixels) buffer PixelBuffer { Row pixels[]; };\n" +
+      declarations + "void main() {\n" + statements + "}\n";
+  return sources;
+}
+
+TEST(KernelCheck, TheKernelPassesInAllWaysOfFetching) {
+  for (const Fetch fetch : kAllWays) EXPECT_EQ(complaintAbout(std::vector<Edit>(), fetch), "") << fetchName(fetch);
+}
+
+// --- changes that the host does not mind -----------------------------------------------------------------------------
+
+TEST(KernelCheck, APrivateConstantPasses) {
+  const Edit edit = {"whitted.comp", "const uint kDone = kPixelDone;",
+                     "const uint kDone = kPixelDone;\nconst float kMine[2] = {0.5, 2.0};"};
+  for (const Fetch fetch : kAllWays)
+    EXPECT_EQ(complaintAbout({edit, {"whitted.comp", "sum / float(SAMPLES", "kMine[phase & 1u] * sum / float(SAMPLES"}},
+                             fetch),
+              "")
+        << fetchName(fetch);
+}
+
+TEST(KernelCheck, AConstantIdOfTheUsersOwnPasses) {
+  const std::vector<Edit> edits = {{"whitted.comp", "const uint kDone = kPixelDone;",
+                                    "const uint kDone = kPixelDone;\nlayout(constant_id = 40) const float MINE = 0.5;"},
+                                   {"whitted.comp", "sum / float(SAMPLES", "MINE * sum / float(SAMPLES"}};
+  EXPECT_EQ(complaintAbout(edits), "");
+}
+
+TEST(KernelCheck, AnUnusedBindingMayGo) {
+  const std::vector<Edit> edits = {
+      {"fetch.glsl", "ROWS(lights, kBindLights);", ""},
+      {"whitted.comp", "Row position = ROW(lights, kLightRows * light + kLightPosition);", "Row position = Row(0u);"},
+      {"whitted.comp", "Row color = ROW(lights, kLightRows * light + kLightColor);", "Row color = Row(0u);"}};
+  for (const Fetch fetch : kAllWays) EXPECT_EQ(complaintAbout(edits, fetch), "") << fetchName(fetch);
+}
+
+TEST(KernelCheck, MembersAtTheEndMayBeLeftAway) {
+  const std::vector<Edit> edits = {{"whitted.comp", "buffer StatusBuffer { Status status; };",
+                                    "buffer StatusBuffer { uint unfinished, limiter, samplesWaiting; } status;"},
+                                   {"whitted.comp", "if (SOLIDS && solidsLost) atomicAdd(status.solidsLost, 1u);", ""}};
+  EXPECT_EQ(complaintAbout(edits), "");
+}
+
+TEST(KernelCheck, SharedMemoryAndSubgroupsPass) {
+  EXPECT_EQ(complaintAbout(
+                smallKernel("#extension GL_KHR_shader_subgroup_ballot : require\nshared uint kept[64];\n",
+                            "  kept[gl_LocalInvocationIndex & 63u] = subgroupBallotBitCount(subgroupBallot(true));\n"
+                            "  barrier();\n  pixels[0].x = kept[0];\n"),
+                Fetch::buffers),
+            "");
+}
+
+TEST(KernelCheck, ABlockMayHaveAnotherName) {
+  EXPECT_EQ(complaintAbout({{"whitted.comp", "buffer StateBuffer { Row state[]; };",
+                             "buffer Waiting { Row rowsOfWork[]; };\n#define state rowsOfWork"}}),
+            "");
+}
+
+// --- bindings --------------------------------------------------------------------------------------------------------
+
+TEST(KernelCheck, ABindingBeyondTheHostsIsRefused) {
+  const Edit edit = {"whitted.comp", "binding = kBindStatus", "binding = 12"};
+  for (const Fetch fetch : kAllWays)
+    EXPECT_THAT(complaintAbout({edit}, fetch), AllOf(StartsWith(placeOf({edit}, "whitted.comp", "StatusBuffer")),
+                                                     HasSubstr("StatusBuffer has binding 12; turner binds 0 to " +
+                                                               std::string(fetch == Fetch::addresses ? "3" : "9")),
+                                                     HasSubstr("; take one of these")))
+        << fetchName(fetch);
+}
+
+TEST(KernelCheck, SwappedBindingsAreRefused) {
+  const std::vector<Edit> edits = {
+      {"whitted.comp", "kBindState) buffer StateBuffer", "kBindPixels) buffer StateBuffer"},
+      {"whitted.comp", "kBindPixels) buffer PixelBuffer", "kBindState) buffer PixelBuffer"}};
+  const std::string complaint = complaintAbout(edits);
+  EXPECT_THAT(complaint,
+              HasSubstr(placeOf(edits, "whitted.comp", "StateBuffer") +
+                        "StateBuffer has binding 2, where turner binds the pixels; write binding = kBindState"));
+  EXPECT_THAT(complaint, HasSubstr(placeOf(edits, "whitted.comp", "PixelBuffer") +
+                                   "PixelBuffer has binding 1, where turner binds the state of the invocations; write "
+                                   "binding = kBindPixels"));
+  EXPECT_EQ(linesOf(complaint), 2u);
+}
+
+TEST(KernelCheck, SwappedRowsAreRefusedAtTheirMacros) {
+  const std::vector<Edit> edits = {{"fetch.glsl", "ROWS(nodes, kBindNodes)", "ROWS(nodes, kBindPrimitives)"},
+                                   {"fetch.glsl", "ROWS(primitives, kBindPrimitives)", "ROWS(primitives, kBindNodes)"}};
+  for (const Fetch fetch : {Fetch::texels, Fetch::buffers}) {
+    const std::string complaint = complaintAbout(edits, fetch);
+    EXPECT_EQ(linesOf(complaint), 2u) << complaint;
+    EXPECT_THAT(complaint, HasSubstr(placeOf(edits, "fetch.glsl", "nodes, kBindPrimitives")));
+    EXPECT_THAT(complaint, HasSubstr("has binding 5, where turner binds the primitives; write binding = kBindNodes"));
+    EXPECT_THAT(complaint, HasSubstr(placeOf(edits, "fetch.glsl", "primitives, kBindNodes")));
+  }
+}
+
+TEST(KernelCheck, AnotherSetIsRefused) {
+  const Edit edit = {"whitted.comp", "layout(std430, binding = kBindStatus)",
+                     "layout(std430, set = 1, binding = kBindStatus)"};
+  EXPECT_THAT(complaintAbout({edit}), AllOf(StartsWith(placeOf({edit}, "whitted.comp", "StatusBuffer")),
+                                            HasSubstr("is in descriptor set 1"), HasSubstr("leave the set away")));
+}
+
+TEST(KernelCheck, ASecondUseOfABindingIsRefused) {
+  const std::vector<Edit> edits = {
+      {"whitted.comp", "vec3 xyz(const Row row)",
+       "layout(std430, binding = 1) buffer Extra { float extra[]; };\nvec3 xyz(const Row row)"},
+      {"whitted.comp", "sum / float(SAMPLES", "extra[at] * sum / float(SAMPLES"}};
+  EXPECT_THAT(complaintAbout(edits),
+              AllOf(StartsWith(placeOf(edits, "whitted.comp", "Extra")), HasSubstr("Extra holds float[]"),
+                    HasSubstr("at binding 1 turner binds the state of the invocations")));
+}
+
+TEST(KernelCheck, RowsInAnotherWayAreRefused) {
+  // The kernel that was compiled for one way, with the host fetching in another.
+  const std::vector<ShaderSource> sources = edited({});
+  const auto complaint = [&](Fetch compiled, Fetch bound) {
+    try {
+      checkKernel(compileGlsl(sources, fetchPreamble(compiled)), sources, bound);
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  const std::string place = placeOf({}, "fetch.glsl", "nodes, kBindNodes");
+  EXPECT_THAT(
+      complaint(Fetch::texels, Fetch::buffers),
+      HasSubstr(place + "nodes is a storage texel buffer; at binding 4 turner binds the nodes as a storage buffer"));
+  EXPECT_THAT(
+      complaint(Fetch::buffers, Fetch::texels),
+      HasSubstr(place + "nodesBuffer is a storage buffer; at binding 4 turner binds the nodes as a storage texel "
+                        "buffer; declare it by ROWS() of fetch.glsl"));
+  EXPECT_EQ(linesOf(complaint(Fetch::buffers, Fetch::texels)), size_t(kRowArrays));
+  EXPECT_THAT(
+      complaint(Fetch::buffers, Fetch::addresses),
+      HasSubstr(place + "nodesBuffer has binding 4; turner binds 0 to 3 where rows are fetched as addresses; read "
+                        "rows by ROW() of fetch.glsl"));
+  EXPECT_THAT(complaint(Fetch::addresses, Fetch::buffers),
+              HasSubstr("needs PhysicalStorageBufferAddresses, which turner's device is not opened with where rows are "
+                        "fetched as buffers"));
+}
+
+TEST(KernelCheck, TexelsOfAnotherFormatAreRefused) {
+  const std::vector<Edit> edits = {{"fetch.glsl", "rgba32ui) readonly", "rgba16ui) readonly"}};
+  EXPECT_THAT(complaintAbout(edits, Fetch::texels),
+              AllOf(HasSubstr(placeOf(edits, "fetch.glsl", "nodes, kBindNodes")),
+                    HasSubstr("nodes has texels of another format; turner binds the nodes as rgba32ui")));
+}
+
+TEST(KernelCheck, OtherResourcesAreRefused) {
+  const struct {
+    std::string declaration, statement, complaint;
+  } cases[] = {
+      {"layout(binding = 0) uniform Params { vec4 tint; };\n", "  pixels[0] = floatBitsToUint(tint);\n",
+       "Params is a uniform buffer; turner binds none"},
+      {"layout(binding = 4) uniform sampler2D Params;\n",
+       "  pixels[0] = floatBitsToUint(textureLod(Params, vec2(0), 0.0));\n",
+       "Params is a texture that turner does not bind"},
+      {"layout(binding = 4, rgba32ui) uniform uimage2D Params;\n", "  pixels[0] = imageLoad(Params, ivec2(0));\n",
+       "Params is an image that turner does not bind"},
+      {"layout(binding = 4) uniform usamplerBuffer Params;\n", "  pixels[0] = texelFetch(Params, 0);\n",
+       "Params is a texture that turner does not bind"},
+      {"layout(std430, binding = 4) buffer Params { Row rows[]; } many[2];\n", "  pixels[0] = many[1].rows[0];\n",
+       " is an array of bindings"},
+  };
+  for (const auto& each : cases) {
+    const std::vector<ShaderSource> sources = smallKernel(each.declaration, each.statement);
+    const std::string complaint = complaintAbout(sources, Fetch::buffers);
+    EXPECT_THAT(complaint, AllOf(StartsWith(sources[0].path + ":6:"), HasSubstr(each.complaint)));
+    EXPECT_EQ(linesOf(complaint), 1u) << complaint;
+  }
+}
+
+// --- blocks ----------------------------------------------------------------------------------------------------------
+
+TEST(KernelCheck, SwappedMembersAreRefused) {
+  const std::vector<Edit> edits = {{"layout.h", "uint limiter; ", "uint moved; "},
+                                   {"layout.h", "uint samplesWaiting;", "uint limiter;"},
+                                   {"layout.h", "uint moved; ", "uint samplesWaiting; "}};
+  EXPECT_THAT(complaintAbout(edits),
+              AllOf(StartsWith(placeOf(edits, "layout.h", "samplesWaiting; ")),
+                    HasSubstr("samplesWaiting is at byte 4 of Status here, but at byte 8 in the running turner"),
+                    HasSubstr("build turner with this file, or take the change back")));
+}
+
+TEST(KernelCheck, AnInsertedMemberIsOneFault) {
+  const std::vector<Edit> edits = {{"layout.h", "Row centreHi; ", "Row mine; Row centreHi; "}};
+  for (const Fetch fetch : kAllWays) {
+    const std::string complaint = complaintAbout(edits, fetch);
+    EXPECT_THAT(complaint, AllOf(StartsWith(placeOf(edits, "layout.h", "mine;")),
+                                 HasSubstr("byte 0 of Frame is called mine here, but centreHi in the running turner")));
+    EXPECT_EQ(linesOf(complaint), 1u) << complaint;
+  }
+}
+
+TEST(KernelCheck, AMemberBehindTheHostsIsRefused) {
+  const std::vector<Edit> edits = {{"layout.h", "Row addresses[6]; ", "Row addresses[6]; Row mine; "}};
+  EXPECT_THAT(complaintAbout(edits), AllOf(StartsWith(placeOf(edits, "layout.h", "mine;")),
+                                           HasSubstr("mine is at byte 224 of Frame here, where nothing begins")));
+  const std::vector<Edit> longer = {{"layout.h", "Row addresses[6]; ", "Row addresses[7]; "}};
+  EXPECT_THAT(complaintAbout(longer),
+              AllOf(StartsWith(placeOf(longer, "layout.h", "addresses[7]")),
+                    HasSubstr("addresses is a uvec4[7] here, but a uvec4[6] in the running turner")));
+}
+
+TEST(KernelCheck, AMemberOfAnotherTypeIsRefused) {
+  const std::vector<Edit> edits = {
+      {"whitted.comp", "buffer StatusBuffer { Status status; };",
+       "buffer StatusBuffer { float unfinished; uint limiter, samplesWaiting, solidsLost; } status;"},
+      {"whitted.comp", "atomicAdd(status.unfinished, 1u);", "status.unfinished = 1.0;"}};
+  EXPECT_THAT(complaintAbout(edits), AllOf(StartsWith(placeOf(edits, "whitted.comp", "unfinished; uint limiter")),
+                                           HasSubstr("unfinished is a float here, but a uint in the running turner")));
+}
+
+TEST(KernelCheck, ChangedPushConstantsAreRefused) {
+  const std::vector<Edit> more = {
+      {"whitted.comp", "uniform PushConstants { Tile tile; };", "uniform PushConstants { Tile tile; float gain; };"},
+      {"whitted.comp", "sum / float(SAMPLES", "gain * sum / float(SAMPLES"}};
+  EXPECT_THAT(complaintAbout(more), AllOf(StartsWith(placeOf(more, "whitted.comp", "gain; };")),
+                                          HasSubstr("gain is at byte 32 of Tile here, where nothing begins")));
+  const std::vector<Edit> moved = {{"whitted.comp", "uniform PushConstants { Tile tile; };",
+                                    "uniform PushConstants { layout(offset = 16) Tile tile; };"}};
+  EXPECT_THAT(complaintAbout(moved),
+              AllOf(StartsWith(placeOf(moved, "layout.h", "x0, y0;")),
+                    HasSubstr("x0 is at byte 16 of Tile here, but at byte 0 in the running turner")));
+}
+
+TEST(KernelCheck, AnotherStrideIsRefused) {
+  const std::vector<Edit> edits = {
+      {"whitted.comp", "buffer PixelBuffer { Row pixels[]; };", "buffer PixelBuffer { Pixel pixels[]; };"},
+      {"whitted.comp", "layout(std430, binding = kBindPixels)",
+       "struct Pixel { Row row, mine; };\nlayout(std430, binding = kBindPixels)"},
+      {"whitted.comp", "pixels[at].w", "pixels[at].row.w"},
+      {"whitted.comp", "pixels[at] = packRow", "pixels[at].row = packRow"}};
+  for (const Fetch fetch : kAllWays)
+    EXPECT_THAT(
+        complaintAbout(edits, fetch),
+        AllOf(StartsWith(placeOf(edits, "whitted.comp", "PixelBuffer")),
+              HasSubstr("PixelBuffer holds struct Pixel[]; at binding 2 turner binds the pixels, which are rows"),
+              HasSubstr("declare it as { Row pixels[]; }")));
+}
+
+TEST(KernelCheck, RowsBehindSomethingElseAreRefused) {
+  EXPECT_THAT(complaintAbout({{"whitted.comp", "{ Row state[]; }", "{ Row mine; Row state[]; }"}}),
+              HasSubstr("StateBuffer holds uvec4 and more"));
+  EXPECT_THAT(complaintAbout({{"whitted.comp", "{ Row state[]; }", "{ layout(offset = 32) Row state[]; }"}}),
+              HasSubstr("StateBuffer holds uvec4[] at byte 32, one element every 16 bytes"));
+}
+
+// --- specialisation constants and the work-group ---------------------------------------------------------------------
+
+// Every id takes the type that features.glsl gives it, and no other.
+TEST(KernelCheck, ConstantsHaveTheTypesOfFeatures) {
+  const std::string features = readTextFile(shaderPath("features.glsl"));
+  int tried = 0;
+  for (uint32_t id = 0; id < gpu::kSpecCount; ++id) {
+    const std::string number = std::to_string(id);
+    const auto complaint = [&](const std::string& type) {
+      return complaintAbout(
+          smallKernel("layout(constant_id = " + number + ") const " + type + " MINE = " + type + "(1);\n",
+                      "  if (float(MINE) > 0.5) pixels[0].x = 1u;\n"),
+          Fetch::buffers);
+    };
+    const std::string asBool = complaint("bool"), asUint = complaint("uint");
+    EXPECT_NE(asBool.empty(), asUint.empty()) << id;
+    EXPECT_EQ(complaint("int").empty(), asUint.empty()) << id;
+    EXPECT_THAT(complaint("float"), HasSubstr(":6:")) << id;
+    const std::string& refused = asBool + asUint;
+    // "MINE is a uint with the constant_id of kSpecSpheres, ..."
+    const size_t at = refused.find("kSpec");
+    ASSERT_NE(at, std::string::npos) << id;
+    const std::string name = refused.substr(at, refused.find(',', at) - at);
+    const size_t declared = features.find("constant_id = " + name + ")");
+    if (declared == std::string::npos) {
+      EXPECT_EQ(id, gpu::kSpecWorkGroup) << name;
+      continue;
+    }
+    const size_t type = features.find("const ", declared) + 6;
+    EXPECT_EQ(features.substr(type, 4) == "bool", asBool.empty()) << name;
+    ++tried;
+  }
+  EXPECT_EQ(tried, int(gpu::kSpecCount) - 1);
+}
+
+TEST(KernelCheck, AConstantOfAnotherTypeIsRefused) {
+  const std::vector<Edit> edit = {{"features.glsl", "const bool COUNTERS = false;",
+                                   "const uint COUNTERS_ON = 0u;\nconst bool COUNTERS = COUNTERS_ON != 0u;"}};
+  EXPECT_THAT(
+      complaintAbout(edit),
+      AllOf(StartsWith(placeOf(edit, "features.glsl", "COUNTERS_ON = 0u")),
+            HasSubstr("COUNTERS_ON is a uint with the constant_id of kSpecCounters, for which turner gives a bool"),
+            HasSubstr("take an id from 22 on for a constant of your own")));
+}
+
+TEST(KernelCheck, SwappedConstantsAreRefused) {
+  const std::vector<Edit> edits = {{"features.glsl", "kSpecDepth", "kSpecFor"},
+                                   {"features.glsl", "kSpecSamples", "kSpecDepth"},
+                                   {"features.glsl", "kSpecFor", "kSpecSamples"}};
+  const std::string complaint = complaintAbout(edits);
+  EXPECT_THAT(complaint,
+              HasSubstr(placeOf(edits, "features.glsl", "DEPTH = ") +
+                        "DEPTH has the constant_id of kSpecSamples, but turner gives it as kSpecDepth; write "
+                        "constant_id = kSpecDepth"));
+  EXPECT_THAT(complaint, HasSubstr(placeOf(edits, "features.glsl", "SAMPLES = ")));
+  EXPECT_EQ(linesOf(complaint), 2u);
+}
+
+TEST(KernelCheck, AnotherWorkGroupIsRefused) {
+  const std::string original = "local_size_x_id = kSpecWorkGroup, local_size_y = 1, local_size_z = 1";
+  for (const char* other : {"local_size_x = 64, local_size_y = 1, local_size_z = 1", "local_size_x = 1",
+                            "local_size_x_id = 30, local_size_y = 1, local_size_z = 1",
+                            "local_size_x_id = kSpecWorkGroup, local_size_y = 2, local_size_z = 1",
+                            "local_size_x_id = kSpecWorkGroup, local_size_y_id = kSpecDepth, local_size_z = 1",
+                            "local_size_y_id = kSpecWorkGroup, local_size_x = 1, local_size_z = 1"}) {
+    std::vector<ShaderSource> sources = smallKernel("", "  pixels[gl_WorkGroupID.x] = Row(1u);\n");
+    sources[0].text->replace(sources[0].text->find(original), original.size(), other);
+    EXPECT_THAT(complaintAbout(sources, Fetch::buffers),
+                AllOf(StartsWith(sources[0].path + ":4:"), HasSubstr("write layout(local_size_x_id = kSpecWorkGroup, "
+                                                                     "local_size_y = 1, local_size_z = 1) in;")))
+        << other;
+  }
+  const std::vector<Edit> edits = {{"whitted.comp", "local_size_x_id = kSpecWorkGroup", "local_size_x = 64"}};
+  EXPECT_THAT(complaintAbout(edits), StartsWith(placeOf(edits, "whitted.comp", "local_size_x = 64")));
+}
+
+// --- the device ------------------------------------------------------------------------------------------------------
+
+TEST(KernelCheck, WhatTheDeviceIsNotOpenedWithIsRefused) {
+  const std::vector<ShaderSource> fine =
+      smallKernel("double exact = 1.0;\n", "  exact *= double(pixels[0].x);\n  pixels[0].x = uint(exact);\n");
+  EXPECT_THAT(
+      complaintAbout(fine, Fetch::buffers),
+      StartsWith(fine[0].path + ":6:1: error: the kernel needs Float64, which turner's device is not opened with; "
+                                "do without it"));
+  const std::vector<ShaderSource> wide =
+      smallKernel("#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require\n",
+                  "  uint64_t mine = uint64_t(pixels[0].x) << 3;\n  pixels[0].x = uint(mine >> 2);\n");
+  EXPECT_THAT(complaintAbout(wide, Fetch::buffers),
+              AllOf(StartsWith(wide[0].path + ":8:3: "), HasSubstr("needs Int64")));
+  const std::vector<ShaderSource> printing =
+      smallKernel("#extension GL_EXT_debug_printf : require\n", "  debugPrintfEXT(\"%u\", pixels[0].x);\n");
+  EXPECT_THAT(
+      complaintAbout(printing, Fetch::buffers),
+      AllOf(StartsWith(printing[0].path + ":"), HasSubstr("needs the SPIR-V extension SPV_KHR_non_semantic_info")));
+}
+
+// --- the words -------------------------------------------------------------------------------------------------------
+
+TEST(KernelCheck, AllFaultsAreToldAtOnce) {
+  const std::vector<Edit> edits = {
+      {"whitted.comp", "local_size_y = 1", "local_size_y = 2"},
+      {"whitted.comp", "binding = kBindStatus", "binding = 12"},
+      {"whitted.comp", "{ Row state[]; }", "{ Row mine; Row state[]; }"},
+      {"features.glsl", "const bool FALLOFF = true", "const uint FALLING = 1u;\nconst bool FALLOFF = FALLING != 0u"}};
+  EXPECT_EQ(linesOf(complaintAbout(edits)), 4u);
+}
+
+TEST(KernelCheck, WordsThatAreNoSpirvAreRefused) {
+  const std::vector<ShaderSource> sources = edited({});
+  Spirv kernel = compileGlsl(sources, fetchPreamble(Fetch::buffers));
+  const auto complaint = [&](const std::vector<uint32_t>& words) {
+    try {
+      checkKernel({words}, sources, Fetch::buffers);
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(complaint(kernel.words), "");
+  EXPECT_THAT(complaint({}), HasSubstr("is no valid SPIR-V for Vulkan 1.2"));
+  EXPECT_NE(complaint({0x07230203u}), "");
+  // Damage in the declarations, here and there: no crash, whatever is made of them.
+  for (size_t at = 5; at < 4000; at += 149) {
+    for (const uint32_t damage : {0u, 0xffffffffu, 0x0001003bu, 0x7fff001eu}) {
+      std::vector<uint32_t> words = kernel.words;
+      words[at] = damage;
+      words.resize(std::min<size_t>(words.size(), 12000));
+      EXPECT_NE(complaint(words), "");
+    }
+  }
+}
+
+TEST(SpirvWords, CountsInstructionsAndStopsWhereTheyMakeNoSense) {
+  const std::vector<uint32_t> header(kSpirvHeaderWords);
+  const auto with = [&](std::vector<uint32_t> words) {
+    words.insert(words.begin(), header.begin(), header.end());
+    return words;
+  };
+  using Counts = std::map<uint16_t, size_t>;
+  EXPECT_EQ(countInstructions({}), Counts());
+  EXPECT_EQ(countInstructions(with({0x10007, 0x20008, 5, 0x10007})), (Counts{{7, 2}, {8, 1}}));
+  EXPECT_EQ(countInstructions(with({0x10007, 0x30008, 5})), (Counts{{7, 1}}));
+  EXPECT_EQ(countInstructions(with({0x10007, 8, 0x10007})), (Counts{{7, 1}}));
+}
+
+TEST(SpirvWords, ComparesInstructionsByOpcode) {
+  const std::vector<uint32_t> before = {0, 0, 0, 0, 0, 0x10007, 0x10007, 0x10008, 0x1000a};
+  const std::vector<uint32_t> after = {0, 0, 0, 0, 0, 0x10008, 0x10007, 0x10009, 0x10009, 0x1000a};
+  const InstructionChange change = compareInstructions(before, after);
+  EXPECT_EQ(change.total, 5u);
+  EXPECT_EQ(change.added, 2u);
+  EXPECT_EQ(change.removed, 1u);
+  EXPECT_EQ(compareInstructions(after, after).added, 0u);
+  EXPECT_EQ(compareInstructions(after, after).removed, 0u);
+  EXPECT_EQ(compareInstructions({}, after).added, 5u);
+}
+
+TEST(SpirvWords, AnAddedMultiplicationIsSeen) {
+  const auto words = [](const std::vector<Edit>& edits) {
+    return compileGlsl(edited(edits), fetchPreamble(Fetch::buffers)).words;
+  };
+  constexpr uint16_t kOpFMul = 133;
+  const std::vector<uint32_t> before = words({});
+  const std::vector<uint32_t> after =
+      words({{"whitted.comp", "float(SAMPLES * SAMPLES), phase", "float(SAMPLES * SAMPLES) * (sum.x * sum.y), phase"}});
+  EXPECT_GT(countInstructions(after)[kOpFMul], countInstructions(before)[kOpFMul]);
+  EXPECT_GT(compareInstructions(before, after).added, 0u);
+}
+
+}  // namespace
+}  // namespace turner

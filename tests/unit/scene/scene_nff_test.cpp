@@ -1,0 +1,413 @@
+// NFF files become the scene that they describe, and wrong ones are refused with every fault at its place.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <glm/geometric.hpp>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "base/errors.h"
+#include "base/text_file.h"
+#include "scene/nff/scene_nff.h"
+#include "support/damage.h"
+#include "support/loading_speed.h"
+
+namespace turner {
+namespace {
+
+const std::string kView = "v\nfrom 0 0 5\nat 0 0 0\nup 0 1 0\nangle 45\nhither 1\nresolution 320 200\n";
+const std::string kMaterial = "f 1 0.5 0.25 0.8 0.5 3 0.25 1.5\n";
+
+Scene parse(const std::string& text) {
+  return parseNffScene("dir/test.nff", text).scene;
+}
+
+// The message for a wrong file, one line for each fault.
+std::string faultsOf(const std::string& text) {
+  try {
+    parseNffScene("x.nff", text);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no fault";
+}
+
+size_t lineCount(const std::string& text) {
+  return 1 + size_t(std::count(text.begin(), text.end(), '\n'));
+}
+
+// The text has exactly one fault, at this place and with these words.
+void expectFault(const std::string& text, const std::string& place, const std::string& words) {
+  const std::string faults = faultsOf(text);
+  EXPECT_EQ(lineCount(faults), 1u) << faults;
+  EXPECT_EQ(faults.rfind("x.nff:" + place + ": error: ", 0), 0u) << faults << "\nexpected at " << place;
+  EXPECT_NE(faults.find(words), std::string::npos) << faults << "\nexpected: " << words;
+}
+
+TEST(Nff, EveryEntityIsRead) {
+  const Scene scene = parse("# a comment\nb 0.1 0.2 0.3\n" + kView + "l 1 2 3 4 5 6  # with a colour\n" + kMaterial +
+                            "s 1 2 3 0.5\np 3\n0 0 0\n1 0 0\n0 1 0\n\npp 3\n0 0 0 0 0 1\n1 0 0 0 0 2\n0 1 0 0 1 1\n" +
+                            "f 1 1 1 1 0 0 0 0\ns 0 0 0 -2\r\n");
+  EXPECT_EQ(scene.name, "test");
+  ASSERT_EQ(scene.sources.size(), 1u);
+  EXPECT_EQ(scene.sources[0].path, "test.nff");
+  EXPECT_EQ(scene.sources[0].sha256.size(), 64u);
+  EXPECT_EQ(scene.background, glm::dvec3(0.1, 0.2, 0.3));
+  EXPECT_EQ(scene.depth, 5);
+  EXPECT_EQ(scene.width, 320);
+  EXPECT_EQ(scene.height, 200);
+  EXPECT_EQ(scene.camera.eye, glm::dvec3(0, 0, 5));
+  EXPECT_EQ(scene.camera.target, glm::dvec3(0));
+  EXPECT_EQ(scene.camera.up, glm::dvec3(0, 1, 0));
+  EXPECT_EQ(scene.camera.fov, 45);
+  ASSERT_EQ(scene.lights.size(), 1u);
+  EXPECT_EQ(scene.lights[0].position, glm::dvec3(1, 2, 3));
+  EXPECT_EQ(scene.lights[0].color, glm::dvec3(4, 5, 6));
+  EXPECT_EQ(scene.lights[0].falloff, Falloff::none);
+  ASSERT_EQ(scene.spheres.size(), 2u);
+  EXPECT_EQ(scene.spheres[0].center, glm::dvec3(1, 2, 3));
+  EXPECT_EQ(scene.spheres[0].radius, 0.5);
+  EXPECT_EQ(scene.spheres[0].material, 0u);
+  EXPECT_EQ(scene.spheres[1].radius, -2);
+  EXPECT_EQ(scene.spheres[1].material, 1u);
+  ASSERT_EQ(scene.triangles.size(), 2u);
+  EXPECT_EQ(scene.triangles[0].normals, kNoNormals);
+  EXPECT_EQ(scene.triangles[0].vertices[1], glm::dvec3(1, 0, 0));
+  ASSERT_EQ(scene.triangles[1].normals, 0u);
+  EXPECT_EQ(scene.normals[0][1], glm::dvec3(0, 0, 2));
+  EXPECT_EQ(scene.normals[0][2], glm::dvec3(0, 1, 1));
+  EXPECT_TRUE(scene.notes.empty());
+}
+
+TEST(Nff, MaterialsFollowTheirRule) {
+  const Scene scene = parse(kMaterial + "f 1 1 1 1 1 0 0 0\n");
+  ASSERT_EQ(scene.materials.size(), 2u);
+  const Material& material = scene.materials[0];
+  EXPECT_EQ(material.name, "f1");
+  EXPECT_EQ(scene.materials[1].name, "f2");
+  EXPECT_EQ(material.diffuse, 0.8 * glm::dvec3(1, 0.5, 0.25));
+  EXPECT_EQ(material.specular, glm::dvec3(0.5));
+  EXPECT_EQ(material.shininess, 3);
+  EXPECT_EQ(material.reflect, 0.5);
+  EXPECT_EQ(material.transmit, 0.25);
+  EXPECT_EQ(material.ior, 1.5);
+  EXPECT_EQ(material.localWeight, 1);
+  // Kd + Ks + T may exceed 1, and an index of 0 does not matter without transmission.
+  EXPECT_EQ(scene.materials[1].reflect, 1);
+  EXPECT_EQ(scene.materials[1].localWeight, 1);
+}
+
+TEST(Nff, LightsWithoutColorShareByTheNumberOfAllLights) {
+  const Scene scene = parse("l 0 0 1\nl 0 0 2 0.5 0.25 2\nl 0 0 3\nl 0 0 4\n");
+  ASSERT_EQ(scene.lights.size(), 4u);
+  for (const size_t i : {0, 2, 3}) EXPECT_EQ(scene.lights[i].color, glm::dvec3(0.5));
+  EXPECT_EQ(scene.lights[1].color, glm::dvec3(0.5, 0.25, 2));
+}
+
+TEST(Nff, ViewLinesMayStandInAnyOrder) {
+  const ParsedScene parsed =
+      parseNffScene("x.nff", "v\n# comment\nresolution 8 9\nangle 30\n\nup 0 0 1\nat 1 0 0\nfrom 4 5 6\nb 1 1 1\n");
+  EXPECT_TRUE(parsed.hasCamera);
+  EXPECT_EQ(parsed.scene.camera.eye, glm::dvec3(4, 5, 6));
+  EXPECT_EQ(parsed.scene.height, 9);
+  EXPECT_EQ(parsed.scene.background, glm::dvec3(1));
+}
+
+TEST(Nff, MissingViewMeansNoCamera) {
+  EXPECT_FALSE(parseNffScene("x.nff", "").hasCamera);
+  EXPECT_FALSE(parseNffScene("x.nff", "b 0 0 0").hasCamera);
+  EXPECT_TRUE(parseNffScene("x.nff", kView).hasCamera);
+}
+
+TEST(Nff, ConcavePolygonOf144CornersBecomes142Triangles) {
+  std::string text = kMaterial + "p 144\n";
+  double outline = 0;
+  std::vector<std::pair<double, double>> points;
+  for (int i = 0; i < 144; ++i) {
+    const double angle = 2 * M_PI * i / 144, radius = i % 4 < 2 ? 1 : 0.8;
+    // Six digits, as in the SPD's files.
+    points.emplace_back(std::round(1e6 * radius * std::cos(angle)) / 1e6,
+                        std::round(1e6 * radius * std::sin(angle)) / 1e6);
+    text += std::to_string(points.back().first) + " " + std::to_string(points.back().second) + " 0.5\n";
+  }
+  for (size_t i = 0; i < points.size(); ++i) {
+    const auto [ax, ay] = points[i];
+    const auto [bx, by] = points[(i + 1) % points.size()];
+    outline += ax * by - ay * bx;
+  }
+  const Scene scene = parse(text);
+  ASSERT_EQ(scene.triangles.size(), 142u);
+  double sum = 0;
+  for (const Triangle& triangle : scene.triangles) {
+    const auto& [a, b, c] = triangle.vertices;
+    const double twiceArea = glm::cross(b - a, c - a).z;
+    EXPECT_GT(twiceArea, 0);
+    sum += twiceArea;
+  }
+  EXPECT_NEAR(sum, outline, 1e-13);
+}
+
+TEST(Nff, PolygonsWithoutAreaAreDroppedAndCounted) {
+  const std::string line = "p 3\n0 0 0\n1 1 1\n2 2 2\n";
+  EXPECT_EQ(parse(kMaterial + line).notes, std::vector<std::string>{"1 polygon without area was dropped"});
+  const Scene scene = parse(kMaterial + line + "p 4\n1 0 0\n1 0 0\n1 0 0\n1 0 0\n" + "p 3\n0 0 0\n1 0 0\n0 1 0\n");
+  EXPECT_EQ(scene.notes, std::vector<std::string>{"2 polygons without area were dropped"});
+  EXPECT_EQ(scene.triangles.size(), 1u);
+}
+
+// All vertices of a cone from the origin along an axis, and their normals.
+void checkCone(const glm::dvec3& axis, double baseRadius, double apexRadius) {
+  SCOPED_TRACE(std::to_string(baseRadius) + " to " + std::to_string(apexRadius));
+  const double length = glm::length(axis), r0 = std::abs(baseRadius), r1 = std::abs(apexRadius);
+  const double sign = baseRadius < 0 || apexRadius < 0 ? -1 : 1;
+  char line[400];
+  std::snprintf(line, sizeof line, "c 0 0 0 %.17g %.17g %.17g %.17g %.17g\n", baseRadius, axis.x, axis.y, axis.z,
+                apexRadius);
+  const Scene scene = parse(kMaterial + line);
+  const int pieces = conePieces(length, std::max(r0, r1));
+  const int stripsAtATip = baseRadius == 0 || apexRadius == 0 ? 1 : 0;
+  ASSERT_EQ(scene.triangles.size(), size_t(2 * pieces - stripsAtATip) * kConeSegments);
+  double area = 0;
+  for (const Triangle& triangle : scene.triangles) {
+    ASSERT_LT(triangle.normals, scene.normals.size());
+    const auto& [a, b, c] = triangle.vertices;
+    const glm::dvec3 areaVector = glm::cross(b - a, c - a) / 2.0;
+    area += glm::length(areaVector);
+    for (int k = 0; k < 3; ++k) {
+      const glm::dvec3 vertex = triangle.vertices[k], normal = scene.normals[triangle.normals][k];
+      // On one of the rims: those of base and apex, and as many between them as the pieces need.
+      const double rim = std::round(glm::dot(vertex, axis) / (length * length) * pieces), height = rim / pieces;
+      const glm::dvec3 spoke = vertex - height * axis;
+      const double radius = r0 + height * (r1 - r0);
+      // All but the base's carry the rounding of their centre's own coordinates too.
+      EXPECT_NEAR(glm::length(spoke), radius, 1e-15 * std::max(r0, r1) + (rim > 0 ? 4e-16 * length : 0));
+      EXPECT_NEAR(glm::length(normal), 1, 1e-14);
+      EXPECT_GT(glm::dot(normal, areaVector), 0) << "normal and winding disagree";
+      const glm::dvec3 middle = (a + b + c) / 3.0 - axis * (glm::dot((a + b + c) / 3.0, axis) / (length * length));
+      EXPECT_GT(sign * glm::dot(areaVector, middle), 0) << "wound to the wrong side";
+      if (radius < 1e-12) continue;
+      const glm::dvec3 outward = spoke / radius, slant = axis + (r1 - r0) * outward;
+      EXPECT_NEAR(glm::dot(normal, slant), 0, 1e-13 * glm::length(slant));
+      EXPECT_NEAR(glm::dot(normal, glm::cross(axis, outward)), 0, 1e-13 * length);
+      EXPECT_GT(sign * glm::dot(normal, outward), 0);
+    }
+  }
+  // Open, without overlap: strips of trapezoids between the rims.
+  const double half = M_PI / kConeSegments;
+  const double height = std::hypot(length, (r1 - r0) * std::cos(half));
+  EXPECT_NEAR(area, kConeSegments * (r0 + r1) * std::sin(half) * height, 1e-12 * area);
+}
+
+TEST(Nff, ConesHaveExactRimsAndNormals) {
+  for (const glm::dvec3& axis :
+       {glm::dvec3(0, 0, 1), glm::dvec3(0, -3, 0), glm::dvec3(1, 2, -3), glm::dvec3(0.1, 0, 0)}) {
+    checkCone(axis, 0.5, 0.5);
+    checkCone(axis, 1, 0.25);
+    checkCone(axis, 0.25, 1);
+    checkCone(axis, 0.7, 0);
+    checkCone(axis, 0, 0.7);
+    checkCone(axis, -0.5, -0.75);
+    checkCone(axis, -0.5, 0);
+    checkCone(axis, 0, -0.5);
+  }
+}
+
+TEST(Nff, ConesMayStandOnThreeLines) {
+  const Scene one = parse(kMaterial + "c 0 -1 0 1 0 1 0 0.5\n"), three = parse(kMaterial + "c\n0 -1 0 1\n0 1 0 0.5\n");
+  ASSERT_EQ(one.triangles.size(), three.triangles.size());
+  for (size_t i = 0; i < one.triangles.size(); ++i) EXPECT_EQ(one.triangles[i].vertices, three.triangles[i].vertices);
+  expectFault(kMaterial + "c\n0 -1 0 1\n", "2:1", "the file ends inside this cone");
+  expectFault(kMaterial + "c\n0 -1 0 1\ns 0 0 0 1\n", "4:1", "where an end of the cone should stand");
+}
+
+TEST(Nff, ConesCloseWithoutGaps) {
+  const Scene scene = parse(kMaterial + "c 1 2 3 0.5 4 5 7 0.25\n");
+  // Every edge but those of the two rims is shared by two triangles, to the last bit.
+  size_t single = 0;
+  const auto same = [](const glm::dvec3& a, const glm::dvec3& b) { return a == b; };
+  for (const Triangle& t : scene.triangles) {
+    for (int k = 0; k < 3; ++k) {
+      int partners = 0;
+      for (const Triangle& other : scene.triangles) {
+        for (int m = 0; m < 3; ++m) {
+          partners +=
+              same(t.vertices[k], other.vertices[(m + 1) % 3]) && same(t.vertices[(k + 1) % 3], other.vertices[m]);
+        }
+      }
+      EXPECT_LE(partners, 1);
+      single += partners == 0;
+    }
+  }
+  EXPECT_EQ(single, 2u * kConeSegments);
+}
+
+TEST(Nff, NumbersAndLinesAreChecked) {
+  expectFault("b 0 0\n", "1:6", "found 2 numbers");
+  expectFault("b 0 0 0 0\n", "1:9", "more on the line than expected: '0'");
+  expectFault("b 0 x 0\n", "1:5", "'x' is not a number");
+  expectFault("b 0 1e400 0\n", "1:5", "'1e400' is too large");
+  expectFault("b 0 nan 0\n", "1:5", "'nan' is not a number");
+  expectFault("b 0 inf 0\n", "1:5", "'inf' is not a number");
+  expectFault("b 0 -0.1 0\n", "1:5", "must not be negative");
+  expectFault("b 0 0 0\nb 0 0 0\n", "2:1", "a second background");
+  expectFault("l 0 0 1e31\n", "1:7", "allowed are numbers from -1e30 to 1e30");
+  expectFault("l 0 0 1 1\n", "1:10", "found 4 numbers");
+  expectFault("l 0 0 0 1 -1 1\n", "1:11", "must not be negative");
+  expectFault("f 1 1 1 1 0 0 0\n", "1:16", "found 7 numbers");
+  expectFault("f 1 -1 1 1 0 0 0 0\n", "1:5", "must not be negative");
+  expectFault("f 1 1 1 -1 0 0 0 0\n", "1:9", "Kd is out of its range");
+  expectFault("f 1 1 1 1 1.5 0 0 0\n", "1:11", "Ks is out of its range; allowed are values from 0 to 1");
+  expectFault("f 1 1 1 1 1 -1 0 0\n", "1:13", "Shine is out of its range");
+  expectFault("f 1 1 1 1 1 1 1.5 1\n", "1:15", "T is out of its range");
+  expectFault("f 1 1 1 1 1 1 0.5 0\n", "1:19", "index of refraction must be greater than 0");
+}
+
+TEST(Nff, ObjectsAreChecked) {
+  expectFault("s 0 0 0 1\ns 0 0 0 2\n", "1:1", "no material yet: an 'f' line must stand before the objects");
+  expectFault(kMaterial + "s 0 0 0 0\n", "2:9", "the radius is 0");
+  expectFault(kMaterial + "s 0 0 0 1e31\n", "2:9", "'1e31' is too large");
+  expectFault(kMaterial + "c 0 0 0 0 1 0 0 0\n", "2:9", "both radii are 0");
+  expectFault(kMaterial + "c 0 0 0 1 1 0 0 -1\n", "2:17", "one radius is negative");
+  expectFault(kMaterial + "c 1 2 3 1 1 2 3 1\n", "2:11", "the same point");
+  expectFault(kMaterial + "c 1 2 3 1 1 2 3\n", "2:16", "found 7 numbers");
+  expectFault(kMaterial + "p\n", "2:2", "the number of corners is missing");
+  expectFault(kMaterial + "p 2\n0 0 0\n1 0 0\n", "2:3", "a polygon of 2 corners");
+  expectFault(kMaterial + "p -1\n", "2:3", "a polygon of -1 corners");
+  expectFault(kMaterial + "p 3.5\n", "2:3", "'3.5' is not a number of corners");
+  expectFault(kMaterial + "p 3 3\n", "2:5", "more on the line");
+  expectFault(kMaterial + "p 1000000000\n0 0 0\n", "2:3", "more than the rest of the file can hold");
+  expectFault(kMaterial + "p 99999999999999999999999\n0 0 0\n", "2:3", "more than the rest of the file can hold");
+  expectFault(kMaterial + "p 3\n0 0 0\n1 0 0\ns 0 0 0 1\n", "5:1", "the polygon has 2 of its 3 corners");
+  expectFault(kMaterial + "p 3\n0 0 0\n1 0 0\n1 1 0\n0 1 0\ns 0 0 0 1\n", "6:1", "found the number '0'");
+  expectFault(kMaterial + "p 3\n0 0 0\n1 0 0\n1 1\n", "5:4", "found 2 numbers");
+  expectFault(kMaterial + "pp 3\n0 0 0 0 0 1\n1 0 0 0 0 0\n1 1 0 0 0 1\n", "4:7", "a normal must not be 0 0 0");
+  expectFault(kMaterial + "p 4\n0 0 0\n2 2 0\n2 0 0\n0 2 0\n", "2:1", "crosses or overlaps itself near its corner");
+}
+
+TEST(Nff, FileThatEndsInsideAnEntitySaysWhich) {
+  expectFault(kMaterial + "p 3\n0 0 0\n1.5 0.25 0.125\n", "2:1",
+              "the file ends inside this polygon: the polygon has 2 of its 3 corners");
+  expectFault("v\nfrom 0 0 0\n", "1:1", "the file ends inside this view: it lacks 'at', 'up', 'angle', 'resolution'");
+}
+
+TEST(Nff, ViewIsChecked) {
+  const auto view = [](const std::string& from, const std::string& at, const std::string& up, const std::string& rest) {
+    return "v\nfrom " + from + "\nat " + at + "\nup " + up + "\n" + rest;
+  };
+  const std::string rest = "angle 45\nresolution 8 8\n";
+  expectFault(view("1 2 3", "1 2 3", "0 0 1", rest), "3:4", "the same point");
+  expectFault(view("0 0 5", "0 0 0", "0 0 0", rest), "4:4", "must not be 0 0 0");
+  expectFault(view("0 0 5", "0 0 0", "0 0 -2", rest), "4:4", "parallel to the view");
+  expectFault(view("0 0 5", "0 0 0", "0 1 0", "angle 180\nresolution 8 8\n"), "5:7", "less than 180 degrees");
+  expectFault(view("0 0 5", "0 0 0", "0 1 0", "angle 0\nresolution 8 8\n"), "5:7", "more than 0");
+  expectFault(view("0 0 5", "0 0 0", "0 1 0", "angle 45\nresolution 8 0\n"), "6:14", "whole numbers from 1 to 65536");
+  expectFault(view("0 0 5", "0 0 0", "0 1 0", "angle 45\nresolution 8.5 8\n"), "6:12", "not a size in pixels");
+  expectFault(view("0 0 5", "0 0 0", "0 1 0", "angle 45\nresolution 8 65537\n"), "6:14", "not a size in pixels");
+  expectFault(view("0 0 5", "0 0 0", "0 1 0", "angle 45\nangle 45\nresolution 8 8\n"), "6:1", "stands twice");
+  expectFault(view("0 0 5", "0 0 0", "0 1 0", "angle 45\nb 0 0 0\n"), "1:1", "the view lacks 'resolution'");
+  expectFault(view("0 0 5", "0 0 0", "0 1 0", rest + "fov 3\nfow 4\n"), "7:1", "found 'fov' in a view");
+  expectFault("v 1\n" + kView.substr(2), "1:3", "allowed is 'v' alone");
+  expectFault(kView + kView, "8:1", "a second view");
+  expectFault("b 0 0 0\nfrom 0 0 0\nat 0 0 0\n", "2:1", "'from' stands outside a view");
+}
+
+TEST(Nff, UnknownEntitiesAreListedWithTheKnownOnes) {
+  expectFault("q 1 2 3\n", "1:1", "unknown entity 'q'; allowed are b, c, f, l, p, pp, s, v and comments with #");
+  expectFault("b 0 0 0\n  x\xff\n", "2:3", "unknown entity 'x?'");
+}
+
+TEST(Nff, AllFaultsAreReportedAtOnceInTheirOrder) {
+  const std::string faults = faultsOf("b 0 0\nl 0 0 x\nq\n1 2 3\n4 5 6\ns 0 0 0 1\nf 1\ns 1 2 3 0\n");
+  EXPECT_EQ(lineCount(faults), 6u) << faults;
+  size_t at = 0;
+  for (const char* place : {":1:6:", ":2:7:", ":3:1:", ":6:1:", ":7:4:", ":8:9:"}) {
+    at = faults.find(place, at);
+    ASSERT_NE(at, std::string::npos) << place << '\n' << faults;
+  }
+}
+
+TEST(Nff, GarbledPolygonIsOneFault) {
+  std::string text = kMaterial + "p 200\n";
+  for (int i = 0; i < 200; ++i) text += "oops 1 2\n";
+  expectFault(text + "s 0 0 0 1\n", "3:1", "'oops' is not a number");
+}
+
+TEST(Nff, EndlessFaultsAreCutShort) {
+  std::string text;
+  for (int i = 0; i < 5000; ++i) text += "b x\n";
+  const std::string faults = faultsOf(text);
+  EXPECT_EQ(lineCount(faults), 101u);
+  EXPECT_NE(faults.find("too many faults"), std::string::npos);
+}
+
+const std::string kSmall = "# small\nb 0.5 0.25 1e-3\n" + kView + "l 1 2 3\nl 1 2 3 1 1 1\n" + kMaterial +
+                           "s 0 0 0 1\nc 0 0 0 1 1 0 0 0.5\np 5\n0 0 0\n4 0 0\n4 4 0\n1 1 0\n0 4 0\n" +
+                           "pp 3\n0 0 0 0 0 1\n1 0 0 0 1 1\n0 1 0 1 0 1\n";
+
+TEST(Nff, DamagedFilesParseOrAreRefused) {
+  test::expectSurvivesDamage([](const std::string& text) { parse(text); }, kSmall, "dir/test.nff");
+}
+
+TEST(Nff, LargeFilesAreReadFast) {
+  std::mt19937_64 random(1);
+  const auto vector = [&] {
+    std::string numbers;
+    for (int k = 0; k < 3; ++k) numbers += ' ' + std::to_string(1e-6 * double(random() % 20'000'000) - 10);
+    return numbers.substr(1);
+  };
+  std::string text = kMaterial;
+  constexpr size_t kEach = 10'000;
+  for (size_t i = 0; i < kEach; ++i) {
+    text += "s " + vector() + " 0.25\n";
+    text += "p 3\n" + vector() + '\n' + vector() + '\n' + vector() + '\n';
+    text += "pp 3\n";
+    for (int k = 0; k < 3; ++k) text += vector() + ' ' + vector() + '\n';
+  }
+  // Gears, as the SPD has them, are the hard part of a file.
+  for (int gear = 0; gear < 10; ++gear) {
+    text += "p 144\n";
+    for (int i = 0; i < 144; ++i) {
+      const double angle = 2 * M_PI * i / 144, radius = i % 4 < 2 ? 1 : 0.8;
+      text += std::to_string(radius * std::cos(angle)) + ' ' + std::to_string(radius * std::sin(angle)) + " 0\n";
+    }
+  }
+  const Scene scene = parse(text);
+  EXPECT_EQ(scene.spheres.size(), kEach);
+  EXPECT_EQ(scene.triangles.size(), 2 * kEach + 10 * 142);
+  const double ratio = test::timeBesideSumming(text, [](const std::string& t) { parse(t); });
+  RecordProperty("time_beside_summing", std::to_string(ratio));
+  EXPECT_LT(ratio, test::kMostTimeBesideSumming);
+}
+
+TEST(Nff, SpdScenesHaveTheirPublishedCounts) {
+  struct Expected {
+    const char* file;
+    size_t lights, spheres, triangles, smooth;
+  };
+  const std::filesystem::path folder = std::filesystem::path(TURNER_SCENES_DIR) / "spd";
+  // The rings' cylinders are 14.8 radii long: four pieces each.
+  const size_t strip = 4 * 2 * kConeSegments;
+  for (const Expected& expected : {Expected{"balls.nff", 3, 7381, 2, 0},
+                                   {"gears.nff", 5, 0, 9217 * 2 + 128 * 142, 0},
+                                   {"mount.nff", 1, 4, 8192, 0},
+                                   {"rings.nff", 3, 4200, 2 + 4200 * strip, 4200 * strip},
+                                   {"teapot.nff", 2, 0, 2256 + 36 * 2, 2256}}) {
+    SCOPED_TRACE(expected.file);
+    const std::string path = (folder / expected.file).string();
+    const ParsedScene parsed = parseNffScene(path, readTextFile(path));
+    EXPECT_TRUE(parsed.hasCamera);
+    EXPECT_EQ(parsed.scene.width, 512);
+    EXPECT_EQ(parsed.scene.lights.size(), expected.lights);
+    EXPECT_EQ(parsed.scene.spheres.size(), expected.spheres);
+    EXPECT_EQ(parsed.scene.triangles.size(), expected.triangles);
+    EXPECT_EQ(parsed.scene.normals.size(), expected.smooth);
+    EXPECT_TRUE(parsed.scene.notes.empty());
+  }
+}
+
+}  // namespace
+}  // namespace turner
