@@ -16,7 +16,7 @@ namespace {
 
 enum ExitCode { kDone = 0, kFailed = 1, kWrongInput = 2, kInterrupted = 130 };
 
-// Faults of a file say their place and that they are errors; everything else gets the program's name.
+// Diagnostics of a file say their place and that they are errors; everything else gets the program's name.
 int tell(const char* message, ExitCode code) {
   const bool hasPlace = std::strstr(message, ": error: ") != nullptr;
   std::fprintf(stderr, hasPlace ? "%s\n" : "turner: error: %s\n", message);

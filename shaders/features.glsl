@@ -19,4 +19,4 @@ layout(constant_id = kSpecBudget) const uint BUDGET = 1u;
 layout(constant_id = kSpecFresh) const bool FRESH = true;
 layout(constant_id = kSpecNearSpheres) const bool NEAR_SPHERES = true;
 layout(constant_id = kSpecFarSpheres) const bool FAR_SPHERES = true;
-layout(constant_id = kSpecSolids) const bool SOLIDS = true;
+layout(constant_id = kSpecNestedDielectrics) const bool NESTED_DIELECTRICS = true;

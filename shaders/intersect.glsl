@@ -9,7 +9,7 @@ bool isOfTriangles(const uint reference) { return TRIANGLES && (!SPHERES || (ref
 struct Ray {
   vec3 origin;
   vec3 direction;  // unit for eye and secondary rays; the way to the light for shadow rays
-  uint leaving;    // the primitive it starts on, with kLeavesInward; kRefNone for an eye ray
+  uint originPrimitive;    // the primitive it starts on, with kStartsInward; kRefNone for an eye ray
 };
 
 // What a ray's direction gives to all its tests.
@@ -44,7 +44,7 @@ RayFactors rayFactors(const vec3 direction) {
 // A sphere as the kernel has it. Where the eye is near its surface, the host gives what its center loses to float, and
 // the eye's power |center|^2 - radius^2, computed in wider arithmetic: rounded to float, center and radius would no
 // longer tell on which side of the surface the eye is.
-struct SphereRows {
+struct SphereData {
   vec3 center;
   float radius;
   bool nearEye;
@@ -52,8 +52,8 @@ struct SphereRows {
   vec2 power;  // of the eye, the sum of two floats
 };
 
-SphereRows sphereOf(const Row center, const Row tags) {
-  SphereRows sphere = SphereRows(xyz(center), uintBitsToFloat(center.w), false, vec3(0), vec2(0));
+SphereData sphereOf(const Row center, const Row tags) {
+  SphereData sphere = SphereData(xyz(center), uintBitsToFloat(center.w), false, vec3(0), vec2(0));
   if (NEAR_SPHERES && (tags.y & kNearEye) != 0u) {
     Row rest = ROW(materials, tags.z);
     sphere.nearEye = true;
@@ -66,7 +66,7 @@ SphereRows sphereOf(const Row center, const Row tags) {
 // The power |p - center|^2 - radius^2 of a point as the sum of two floats: near the surface twice the radius times the
 // height above it. With the power of the anchor, which is the eye or else the center, and u = p - anchor,
 // w = center - anchor, it is that + u.(u - 2 w).
-vec2 powerOf(const SphereRows sphere, const vec3 p) {
+vec2 powerOf(const SphereData sphere, const vec3 p) {
   vec2 power = sphere.power;
   if (!sphere.nearEye) {
     power.x = -twoProduct(sphere.radius, sphere.radius, power.y);
@@ -98,7 +98,7 @@ float nearestRoot(const float b, const float c, const float halfChord, const flo
 
 // For rays that start near the surface, where c is the small difference of two squares, and the discriminant is one at
 // the horizon: all with twice the digits.
-float hitNearSphere(const Ray ray, const RayFactors factors, const SphereRows sphere) {
+float hitNearSphere(const Ray ray, const RayFactors factors, const SphereData sphere) {
   // A shadow ray is as long as its light is far: scaled by a power of two, its squares stay within float.
   float scale = uintBitsToFloat(0x7f000000u - (floatBitsToUint(factors.norm) & 0x7f800000u));
   vec3 d = scale * ray.direction, gRest;
@@ -128,19 +128,19 @@ vec3 distantPerpendicular(const Ray ray, const RayFactors factors, const vec3 ce
 
 // How far from its surface a ray must start to be on one side of a sphere for certain, by the kernel's arithmetic. The
 // sphere itself is left exactly, by its root; this is for one that coincides with it.
-float sphereMargin(const SphereRows sphere, const vec3 point) {
+float sphereErrorBound(const SphereData sphere, const vec3 point) {
   if (NEAR_SPHERES && sphere.nearEye) return 4.0 * kRounding * largest(abs(point));
   return 2.0 * kRounding * (largest(abs(sphere.center)) + abs(sphere.radius));
 }
 
 // The same of a plane and its coplanar neighbours: the point is rounded, both planes' N and d are, and so is every term
 // of the neighbour's N.x. The errors of the terms add up to seven roundings of the sum of their sizes at the worst.
-float planeMargin(const vec3 normal, const float offset, const vec3 point) {
+float planeErrorBound(const vec3 normal, const float offset, const vec3 point) {
   return 2.0 * kRounding * (dot(abs(normal), abs(point)) + abs(offset));
 }
 
 // Distance to a sphere, or kNoHit.
-float hitSphere(const Ray ray, const RayFactors factors, const SphereRows sphere, const bool leavesIt) {
+float hitSphere(const Ray ray, const RayFactors factors, const SphereData sphere, const bool startsOnIt) {
   vec3 f = ray.origin - sphere.center;
   float b = -dot(f, ray.direction) * factors.inverseNorm, middle = b * factors.inverseNorm;
   // The discriminant from the distance of the center to the ray (ibid.).
@@ -151,14 +151,14 @@ float hitSphere(const Ray ray, const RayFactors factors, const SphereRows sphere
   float c = dot(f, f) - squaredRadius;
   float t = nearestRoot(b, c, sqrt(greater(discriminant, 0.0)), factors.norm);
   if (discriminant < 0.0) t = kNoHit;
-  if (NEAR_SPHERES && abs(c) <= 0.5 * squaredRadius && !leavesIt) t = hitNearSphere(ray, factors, sphere);
+  if (NEAR_SPHERES && abs(c) <= 0.5 * squaredRadius && !startsOnIt) t = hitNearSphere(ray, factors, sphere);
   // A ray that starts on the sphere: one root is exactly 0, the other 2b/a. Outward it never returns, however grazing.
-  float second = (ray.leaving & kLeavesInward) != 0u ? greater(2.0 * middle, 0.0) : kNoHit;
-  return leavesIt ? second : t;
+  float second = (ray.originPrimitive & kStartsInward) != 0u ? greater(2.0 * middle, 0.0) : kNoHit;
+  return startsOnIt ? second : t;
 }
 
 // Whether a point that is not on the sphere is outside of it, as hitSphere sees it.
-bool isOutside(const SphereRows sphere, const vec3 p) {
+bool isOutside(const SphereData sphere, const vec3 p) {
   if (NEAR_SPHERES) return powerOf(sphere, p).x > 0.0;
   vec3 f = p - sphere.center;
   return dot(f, f) - sphere.radius * sphere.radius > 0.0;
@@ -166,7 +166,7 @@ bool isOutside(const SphereRows sphere, const vec3 p) {
 
 // The unit vector from the center of a distant sphere to where a ray hits it. With the perpendicular goes half a chord,
 // toward the origin of the ray or away from it: more digits than o + t d has.
-vec3 distantOutward(const Ray ray, const RayFactors factors, const SphereRows sphere, const bool fromOutside) {
+vec3 distantOutward(const Ray ray, const RayFactors factors, const SphereData sphere, const bool fromOutside) {
   float foot = -dot(ray.origin - sphere.center, ray.direction) * factors.inverseNorm * factors.inverseNorm;
   vec3 perpendicular = distantPerpendicular(ray, factors, sphere.center, foot);
   float squared = sphere.radius * sphere.radius - dot(perpendicular, perpendicular);

@@ -6,40 +6,40 @@ struct Surface {
   vec3 Ng, Ns;   // unit, both on the side that the ray came from
   bool front;    // the ray came from the front
   bool outside;  // of a sphere: the ray came from outside, whatever its front is
-  float margin;  // how far along Ng a ray must start to be on its side for certain
+  float errorBound;  // how far along Ng a ray must start to be on its side for certain
   uint material;
 };
 
 // A material as it lies in memory.
-struct MaterialRows {
+struct MaterialData {
   Row diffuse, specular, other;
 };
 
-MaterialRows materialRows(const uint material) {
+MaterialData materialData(const uint material) {
   uint row = kMaterialRows * material;
-  return MaterialRows(ROW(materials, row + kMaterialDiffuse), ROW(materials, row + kMaterialSpecular),
+  return MaterialData(ROW(materials, row + kMaterialDiffuse), ROW(materials, row + kMaterialSpecular),
                       ROW(materials, row + kMaterialOther));
 }
 
-float reflectance(const MaterialRows m) { return uintBitsToFloat(m.diffuse.w); }     // r
-float transmittance(const MaterialRows m) { return uintBitsToFloat(m.specular.w); }  // t
-float shininess(const MaterialRows m) { return uintBitsToFloat(m.other.x); }         // n
-float indexOfRefraction(const MaterialRows m) { return uintBitsToFloat(m.other.y); }  // eta
-float localWeight(const MaterialRows m) { return uintBitsToFloat(m.other.z); }
+float reflectance(const MaterialData m) { return uintBitsToFloat(m.diffuse.w); }     // r
+float transmittance(const MaterialData m) { return uintBitsToFloat(m.specular.w); }  // t
+float shininess(const MaterialData m) { return uintBitsToFloat(m.other.x); }         // n
+float indexOfRefraction(const MaterialData m) { return uintBitsToFloat(m.other.y); }  // eta
+float localWeight(const MaterialData m) { return uintBitsToFloat(m.other.z); }
 
 // Turns the hit of a ray into the surface there.
 Surface surfaceAt(const Ray ray, const RayFactors factors, const float t, const uint primitive) {
   Surface surface;
-  uint row = kUnitRows * (primitive & kRefPlaceMask);
+  uint row = kUnitRows * (primitive & kRefOffsetMask);
   vec3 V = -ray.direction;
-  surface.margin = 0.0;
+  surface.errorBound = 0.0;
   surface.outside = true;
   Row row0 = ROW(primitives, row), row1 = ROW(primitives, row + 1u);
   if (SPHERES && !isOfTriangles(primitive)) {
-    SphereRows sphere = sphereOf(row0, row1);
+    SphereData sphere = sphereOf(row0, row1);
     // By where the ray starts, not by its angle: at the silhouette that is within its rounding.
-    bool leavesIt = (ray.leaving & ~kLeavesInward) == primitive;
-    surface.outside = !leavesIt && isOutside(sphere, ray.origin);
+    bool startsOnIt = (ray.originPrimitive & ~kStartsInward) == primitive;
+    surface.outside = !startsOnIt && isOutside(sphere, ray.origin);
     vec3 point = ray.origin + t * ray.direction;
     bool isFar = FAR_SPHERES && !sphere.nearEye;
     vec3 outward = isFar ? distantOutward(ray, factors, sphere, surface.outside) : normalize(point - sphere.center);
@@ -49,7 +49,7 @@ Surface surfaceAt(const Ray ray, const RayFactors factors, const float t, const 
       // The center is far away and rounded. Newton's step to where the power is 0 keeps the digits of the point.
       surface.point = point - (0.5 * powerOf(sphere, point).x / abs(sphere.radius)) * outward;
     }
-    surface.margin = sphereMargin(sphere, surface.point);
+    surface.errorBound = sphereErrorBound(sphere, surface.point);
     surface.front = surface.outside != (sphere.radius < 0.0);
     surface.Ng = surface.outside ? outward : -outward;
     surface.Ns = surface.Ng;
@@ -64,7 +64,7 @@ Surface surfaceAt(const Ray ray, const RayFactors factors, const float t, const 
     vec3 point = ray.origin + t * ray.direction;
     float offset = uintBitsToFloat(plane.w);
     surface.point = point - surface.Ng * wideSum(wideDot(surface.Ng, vec3(0), point, vec3(0)), vec2(-offset, 0)).x;
-    surface.margin = planeMargin(surface.Ng, offset, surface.point);
+    surface.errorBound = planeErrorBound(surface.Ng, offset, surface.point);
     surface.Ns = surface.Ng;
     Row row2 = ROW(primitives, row + kPairV2), row3 = ROW(primitives, row + kPairV3);
     if (SMOOTH_NORMALS && row2.w != kRefNone) {
@@ -96,11 +96,11 @@ Surface surfaceAt(const Ray ray, const RayFactors factors, const float t, const 
 // sphere knows its other root by the ray's start.
 Ray leaveSurface(const Surface surface, const uint primitive, const vec3 direction, const bool above) {
   vec3 away = above ? surface.Ng : -surface.Ng;
-  float cosine = max(dot(direction, away), 1e-6), step = surface.margin * min(1.0 / cosine, 16.0);
+  float cosine = max(dot(direction, away), 1e-6), step = surface.errorBound * min(1.0 / cosine, 16.0);
   if (!isOfTriangles(primitive)) step = 0.0;
-  vec3 origin = surface.point + step * direction + (surface.margin - step * cosine) * away;
+  vec3 origin = surface.point + step * direction + (surface.errorBound - step * cosine) * away;
   bool inward = above != surface.outside;
-  return Ray(origin, direction, primitive | (inward ? kLeavesInward : 0u));
+  return Ray(origin, direction, primitive | (inward ? kStartsInward : 0u));
 }
 
 // A ray to a light. The light's end stays where it is.
@@ -117,13 +117,13 @@ bool facesLight(const Surface surface, const vec3 lightPosition) {
 }
 
 // Whether a surface sends nothing of any light toward the eye by itself.
-bool reflectsNoLight(const MaterialRows material) {
+bool reflectsNoLight(const MaterialData material) {
   vec3 most = max(xyz(material.diffuse), HIGHLIGHTS ? xyz(material.specular) : vec3(0));
   return localWeight(material) * largest(most) <= 0.0;
 }
 
 // E (k_d + k_s max(0, N.H)^n) N.L of one light that is not in shadow.
-vec3 lightReflected(const Surface surface, const vec3 V, const Row lightPosition, vec3 E, const MaterialRows material) {
+vec3 lightReflected(const Surface surface, const vec3 V, const Row lightPosition, vec3 E, const MaterialData material) {
   vec3 toward = xyz(lightPosition) - surface.point;
   // Scaled first: the square of a distance of 1e-23 would be 0.
   vec3 L = toward / largest(abs(toward));
@@ -152,7 +152,7 @@ vec3 reflection(const Surface surface, const vec3 direction) {
 }
 
 // The index of refraction behind a surface over that before it, where nothing else is made of glass there.
-vec2 indexBehind(const Surface surface, const float ior) { return surface.front ? vec2(ior, 0) : wideReciprocal(ior); }
+vec2 indexBehind(const Surface surface, const float eta) { return surface.front ? vec2(eta, 0) : wideReciprocal(eta); }
 
 // Snell's law in vector form; false on total internal reflection. n: index of refraction on the other side over that on
 // the side of V. Near the critical angle the cosine is a small difference, of digits that N and the direction have: so
@@ -177,44 +177,44 @@ bool transmission(const Surface surface, const vec3 direction, const vec2 n, out
 }
 
 // --- glass in glass ---
-// What a solid is made of, 0 for air: the row of its material that holds its index of refraction and its glass.
-Row mediumOf(const uint solid) {
-  Row row = ROW(materials, kMaterialRows * solid + kMaterialOther);
-  return solid == 0u ? Row(0u, floatBitsToUint(1.0), 0u, 0u) : row;
+// What a medium is made of, 0 for air: the row of its material that holds its index of refraction and its glass.
+Row mediumOf(const uint medium) {
+  Row row = ROW(materials, kMaterialRows * medium + kMaterialOther);
+  return medium == 0u ? Row(0u, floatBitsToUint(1.0), 0u, 0u) : row;
 }
 
-// A ray's way through all walls in one place.
+// A ray's way through all interfaces in one place.
 struct Crossing {
-  uvec4 beyond;  // the solids that it is in behind them
-  bool hidden;   // there is the same glass on both sides: no wall is to be seen
+  uvec4 beyond;  // the media that it is in behind them
+  bool hidden;   // there is the same glass on both sides: no interface is to be seen
   vec2 n;        // index of refraction behind over that before, the sum of two floats
 };
 
-// The ray is in `solids` and meets `walls` on a surface of this material. The sets are what is true: to enter a solid once
+// The ray is in `media` and meets `interfaces` on a surface of this material. The sets are what is true: to enter a medium once
 // more, or to leave it again, changes nothing. Nothing goes on through an opaque surface.
-Crossing crossWalls(const uvec4 solids, const uvec4 allWalls, const MaterialRows material, const bool front) {
-  uvec4 walls = transmittance(material) > 0.0 ? allWalls : uvec4(0u), beyond = solids;
+Crossing crossInterfaces(const uvec4 media, const uvec4 allInterfaces, const MaterialData material, const bool front) {
+  uvec4 interfaces = transmittance(material) > 0.0 ? allInterfaces : uvec4(0u), beyond = media;
   uint i = 0u;
   do {
-    uint wall = numberAt(walls, i);
-    if (wall != 0u && (wall & kWallFront) == 0u) beyond = without(beyond, wall);
+    uint interfaceId = idAt(interfaces, i);
+    if (interfaceId != 0u && (interfaceId & kInterfaceFront) == 0u) beyond = without(beyond, interfaceId);
     ++i;
-  } while (i < kMaxWalls && numberAt(walls, i) != 0u);
+  } while (i < kMaxInterfaces && idAt(interfaces, i) != 0u);
   i = 0u;
   do {
-    uint wall = numberAt(walls, i), solid = wall & ~kWallFront;
-    // At a thin edge a ray may meet both sides of a solid at once: in the end it is out.
-    if ((wall & kWallFront) != 0u && !has(walls, solid)) beyond = withSolid(beyond, solid);
+    uint interfaceId = idAt(interfaces, i), medium = interfaceId & ~kInterfaceFront;
+    // At a thin edge a ray may meet both sides of a medium at once: in the end it is out.
+    if ((interfaceId & kInterfaceFront) != 0u && !has(interfaces, medium)) beyond = withMedium(beyond, medium);
     ++i;
-  } while (i < kMaxWalls && numberAt(walls, i) != 0u);
+  } while (i < kMaxInterfaces && idAt(interfaces, i) != 0u);
 
-  Row before = mediumOf(seenOf(solids)), behind = mediumOf(seenOf(beyond));
-  bool isSolid = material.other.w != 0u;
-  // What is no solid that matters: glass on its back, on its front whatever is there.
-  if (!isSolid) {
+  Row before = mediumOf(activeMedium(media)), behind = mediumOf(activeMedium(beyond));
+  bool isMedium = material.other.w != 0u;
+  // What is no medium that matters: glass on its back, on its front whatever is there.
+  if (!isMedium) {
     before.y = front ? before.y : material.other.y;
     behind.y = front ? material.other.y : behind.y;
   }
   vec2 n = wideProduct(vec2(uintBitsToFloat(behind.y), 0), wideReciprocal(uintBitsToFloat(before.y)));
-  return Crossing(beyond, isSolid && before.w == behind.w, n);
+  return Crossing(beyond, isMedium && before.w == behind.w, n);
 }

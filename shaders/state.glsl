@@ -1,5 +1,5 @@
 // What an invocation keeps between two dispatches, and its stack of rays that wait, which lives in the same buffer: a
-// push or a pop is rare beside a walk through the tree. Rows are listed in layout.h.
+// push or a pop is rare beside a traversal through the tree. Rows are listed in layout.h.
 
 // --- the work in hand ---
 uint phase;         // where the invocation stands: a constant of whitted.comp
@@ -13,11 +13,11 @@ uint level;         // of it in the ray tree; the eye ray has 1
 uvec2 pending;      // bit l - 1: a ray waits on level l
 float hitT;         // where it hits
 uint hitPrimitive;  // and what
-uvec4 hitPlace;     // the walls of solids there
-uvec4 solids;       // that the ray is in (solids.glsl)
-uint hiddenWalls;   // that it has passed since its last hit
+uvec4 hitInterfaces;     // the interfaces of media there
+uvec4 media;       // that the ray is in (nested_dielectrics.glsl)
+uint hiddenInterfaces;   // that it has passed since its last hit
 uint light;         // the light that the hit's shadow ray goes to
-Walk walk;          // of the ray in hand, or of a shadow ray of its hit
+TraversalState traversal;          // of the ray in hand, or of a shadow ray of its hit
 
 Row packRow(const vec3 v, const uint w) { return Row(floatBitsToUint(v), w); }
 
@@ -36,10 +36,10 @@ void beginWork() {
   pending = uvec2(0u);
   hitT = 0.0;
   hitPrimitive = kRefNone;
-  hitPlace = solids = uvec4(0u);
-  hiddenWalls = 0u;
+  hitInterfaces = media = uvec4(0u);
+  hiddenInterfaces = 0u;
   light = 0u;
-  walk = Walk(kRefNone, 0u, 0.0, kRefNone, 0u, uvec3(0u), 0.0, 0.0, 0.0, uvec4(0u));
+  traversal = TraversalState(kRefNone, 0u, 0.0, kRefNone, 0u, uvec3(0u), 0.0, 0.0, 0.0, uvec4(0u));
   raysSpawned = nodesVisited = primitivesVisited = Row(0u);
 }
 
@@ -48,7 +48,7 @@ void takeUpWork(const uint slot) {
   sum = xyz(row);
   rayKind = row.w & 255u;
   level = (row.w >> 8u) & 255u;
-  walk.top = row.w >> 16u;
+  traversal.top = row.w >> 16u;
   row = state[stateRow(kStateCompensation, slot)];
   compensation = xyz(row);
   sampleIndex = row.w;
@@ -60,41 +60,41 @@ void takeUpWork(const uint slot) {
   hitT = uintBitsToFloat(row.x);
   hitPrimitive = row.y;
   light = row.z;
-  walk.list.z = row.w;
-  row = state[stateRow(kStateWalk, slot)];
-  walk.next = row.x;
-  walk.tMax = uintBitsToFloat(row.y);
-  walk.hit = row.z;
-  walk.order = row.w;
+  traversal.list.z = row.w;
+  row = state[stateRow(kStateTraversal, slot)];
+  traversal.next = row.x;
+  traversal.tMax = uintBitsToFloat(row.y);
+  traversal.hit = row.z;
+  traversal.rank = row.w;
   row = state[stateRow(kStateList, slot)];
-  walk.list.xy = row.xy;
+  traversal.list.xy = row.xy;
   pending = row.zw;
-  solids = SOLIDS ? state[stateRow(kStateSolids, slot)] : uvec4(0u);
-  walk.place = SOLIDS ? state[stateRow(kStatePlace, slot)] : uvec4(0u);
-  hitPlace = SOLIDS ? state[stateRow(kStateHitPlace, slot)] : uvec4(0u);
-  row = SOLIDS ? state[stateRow(kStateWalls, slot)] : Row(0u);
-  walk.first = uintBitsToFloat(row.x);
-  walk.apart = uintBitsToFloat(row.y);
-  hiddenWalls = row.z;
-  walk.hitT = uintBitsToFloat(row.w);
+  media = NESTED_DIELECTRICS ? state[stateRow(kStateMedia, slot)] : uvec4(0u);
+  traversal.coincident = NESTED_DIELECTRICS ? state[stateRow(kStateCoincident, slot)] : uvec4(0u);
+  hitInterfaces = NESTED_DIELECTRICS ? state[stateRow(kStateHitInterfaces, slot)] : uvec4(0u);
+  row = NESTED_DIELECTRICS ? state[stateRow(kStateInterfaces, slot)] : Row(0u);
+  traversal.nearestT = uintBitsToFloat(row.x);
+  traversal.coincidence = uintBitsToFloat(row.y);
+  hiddenInterfaces = row.z;
+  traversal.hitT = uintBitsToFloat(row.w);
   raysSpawned = COUNTERS ? state[stateRow(kStateRays, slot)] : Row(0u);
   nodesVisited = COUNTERS ? state[stateRow(kStateNodes, slot)] : Row(0u);
   primitivesVisited = COUNTERS ? state[stateRow(kStatePrimitives, slot)] : Row(0u);
 }
 
 void putWorkAway(const uint slot) {
-  state[stateRow(kStateSum, slot)] = packRow(sum, rayKind | (level << 8u) | (walk.top << 16u));
+  state[stateRow(kStateSum, slot)] = packRow(sum, rayKind | (level << 8u) | (traversal.top << 16u));
   state[stateRow(kStateCompensation, slot)] = packRow(compensation, sampleIndex);
-  state[stateRow(kStateRay, slot)] = packRow(ray.origin, ray.leaving);
+  state[stateRow(kStateRay, slot)] = packRow(ray.origin, ray.originPrimitive);
   state[stateRow(kStateDirection, slot)] = packRow(ray.direction, floatBitsToUint(weight));
-  state[stateRow(kStateHit, slot)] = Row(floatBitsToUint(hitT), hitPrimitive, light, walk.list.z);
-  state[stateRow(kStateWalk, slot)] = Row(walk.next, floatBitsToUint(walk.tMax), walk.hit, walk.order);
-  state[stateRow(kStateList, slot)] = Row(walk.list.xy, pending);
-  if (SOLIDS) {
-    state[stateRow(kStateSolids, slot)] = solids;
-    state[stateRow(kStatePlace, slot)] = walk.place;
-    state[stateRow(kStateHitPlace, slot)] = hitPlace;
-    state[stateRow(kStateWalls, slot)] = Row(floatBitsToUint(walk.first), floatBitsToUint(walk.apart), hiddenWalls, floatBitsToUint(walk.hitT));
+  state[stateRow(kStateHit, slot)] = Row(floatBitsToUint(hitT), hitPrimitive, light, traversal.list.z);
+  state[stateRow(kStateTraversal, slot)] = Row(traversal.next, floatBitsToUint(traversal.tMax), traversal.hit, traversal.rank);
+  state[stateRow(kStateList, slot)] = Row(traversal.list.xy, pending);
+  if (NESTED_DIELECTRICS) {
+    state[stateRow(kStateMedia, slot)] = media;
+    state[stateRow(kStateCoincident, slot)] = traversal.coincident;
+    state[stateRow(kStateHitInterfaces, slot)] = hitInterfaces;
+    state[stateRow(kStateInterfaces, slot)] = Row(floatBitsToUint(traversal.nearestT), floatBitsToUint(traversal.coincidence), hiddenInterfaces, floatBitsToUint(traversal.hitT));
   }
 }
 
@@ -115,14 +115,14 @@ uvec2 levelBit(const uint level) {
   return bit < 32u ? uvec2(1u << bit, 0u) : uvec2(0u, 1u << (bit - 32u));
 }
 
-const uint kRayRows = SOLIDS ? 3u : 2u;
+const uint kRayRows = NESTED_DIELECTRICS ? 3u : 2u;
 
 // A ray of the next level waits.
-void pushRay(const uint slot, const Ray waiting, const float itsWeight, const uvec4 itsSolids) {
+void pushRay(const uint slot, const Ray waiting, const float itsWeight, const uvec4 itsMedia) {
   uint row = kStateRayStack + kRayRows * (level - 1u);
-  state[stateRow(row, slot)] = packRow(waiting.origin, waiting.leaving);
+  state[stateRow(row, slot)] = packRow(waiting.origin, waiting.originPrimitive);
   state[stateRow(row + 1u, slot)] = packRow(waiting.direction, floatBitsToUint(itsWeight));
-  if (SOLIDS) state[stateRow(row + 2u, slot)] = itsSolids;
+  if (NESTED_DIELECTRICS) state[stateRow(row + 2u, slot)] = itsMedia;
   pending |= levelBit(level + 1u);
 }
 
@@ -134,12 +134,12 @@ void popRay(const uint slot) {
   Row origin = state[stateRow(row, slot)], direction = state[stateRow(row + 1u, slot)];
   ray = Ray(xyz(origin), xyz(direction), origin.w);
   weight = uintBitsToFloat(direction.w);
-  if (SOLIDS) solids = state[stateRow(row + 2u, slot)];
-  hiddenWalls = 0u;
+  if (NESTED_DIELECTRICS) media = state[stateRow(row + 2u, slot)];
+  hiddenInterfaces = 0u;
   rayKind = kRefracted;  // a reflected ray is never the one that waits
 }
 
-// --- the node stack of an interrupted walk ---
+// --- the node stack of an interrupted traversal ---
 void saveNodeStack(const uint slot, const uint top) {
   for (uint i = 0u; i < top; i += 4u)
     state[stateRow(kStateNodeStack + i / 4u, slot)] =

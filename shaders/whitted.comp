@@ -27,12 +27,12 @@ uint root;  // of the tree
 const uint kEye = 0u, kReflected = 1u, kRefracted = 2u, kShadow = 3u;
 Row raysSpawned, nodesVisited, primitivesVisited;
 
-#include "fetch.glsl"
-#include "numerics.glsl"
+#include "buffer_access.glsl"
+#include "float_float.glsl"
 #include "camera.glsl"
-#include "solids.glsl"
+#include "nested_dielectrics.glsl"
 #include "intersect.glsl"
-#include "cube.glsl"
+#include "light_buffer.glsl"
 #include "traverse.glsl"
 #include "shade.glsl"
 #include "state.glsl"
@@ -83,24 +83,24 @@ void beginSample(const uvec2 pixel) {
   rayKind = kEye;
   weight = 1.0;
   level = 1u;
-  if (SOLIDS) solids = frame.solids, hiddenWalls = 0u;
+  if (NESTED_DIELECTRICS) media = frame.media, hiddenInterfaces = 0u;
   RayFactors factors = rayFactors(ray.direction);
-  walk = walkAlongList(cubeList(kEyeCube, cubeFace(ray.direction, factors.axis), factors.shear.xy), kNoHit);
+  traversal = startInCellList(cellList(kEyeBuffer, directionFace(ray.direction, factors.axis), factors.shear.xy), kNoHit);
   phase = kTrace;
   if (COUNTERS) ++raysSpawned[kEye];
 }
 
 // The nearest hit of the ray in hand, or as much of the way there as the budget allows.
 void findNearestHit(const RayFactors factors, inout int budget) {
-  continueWalk(ray, factors, false, NEAREST_NODES, rayKind, abs(along(ray.direction, factors.axis)), walk, budget);
-  if (!isOver(walk)) return;
-  if (lacksPlace(walk)) {
-    walk = walkThroughPlace(walk);
+  traverse(ray, factors, false, NEAREST_NODES, rayKind, abs(along(ray.direction, factors.axis)), traversal, budget);
+  if (!isFinished(traversal)) return;
+  if (lacksCoincident(traversal)) {
+    traversal = startCoincident(traversal);
     return;
   }
-  hitT = SOLIDS && walk.apart > 0.0 ? walk.hitT : walk.tMax;
-  hitPrimitive = walk.hit;
-  hitPlace = walk.place;
+  hitT = NESTED_DIELECTRICS && traversal.coincidence > 0.0 ? traversal.hitT : traversal.tMax;
+  hitPrimitive = traversal.hit;
+  hitInterfaces = traversal.coincident;
   light = 0u;
   phase = kNextLight;
   // A miss sees the background.
@@ -111,7 +111,7 @@ void findNearestHit(const RayFactors factors, inout int budget) {
 }
 
 // One light, if it faces the surface: a shadow ray to it, and its light if nothing hides it.
-void addLight(const Surface surface, const MaterialRows material, inout int budget) {
+void addLight(const Surface surface, const MaterialData material, inout int budget) {
   Row position = ROW(lights, kLightRows * light + kLightPosition);
   Row color = ROW(lights, kLightRows * light + kLightColor);
   Ray shadowRay = leaveToLight(surface, hitPrimitive, xyz(position));
@@ -120,16 +120,16 @@ void addLight(const Surface surface, const MaterialRows material, inout int budg
   if (phase == kNextLight && faces) {
     // Seen from the light, the ray comes through the opposite face. The light's own end is open: what stands exactly at
     // the light does not block it.
-    uint face = cubeFace(-shadowRay.direction, factors.axis);
-    walk = walkAlongList(cubeList(kEyeCube + 1u + light, face, factors.shear.xy), 1.0 - 1.0 / 1048576.0);
+    uint face = directionFace(-shadowRay.direction, factors.axis);
+    traversal = startInCellList(cellList(kEyeBuffer + 1u + light, face, factors.shear.xy), 1.0 - 1.0 / 1048576.0);
     phase = kTraceShadow;
     if (COUNTERS) ++raysSpawned[kShadow];
   }
   if (phase == kTraceShadow)
-    continueWalk(shadowRay, factors, true, SHADOW_NODES, kShadow, abs(along(shadowRay.direction, factors.axis)), walk,
+    traverse(shadowRay, factors, true, SHADOW_NODES, kShadow, abs(along(shadowRay.direction, factors.axis)), traversal,
                  budget);
-  if (phase == kNextLight || isOver(walk)) {
-    if (phase == kTraceShadow && walk.hit == kRefNone)
+  if (phase == kNextLight || isFinished(traversal)) {
+    if (phase == kTraceShadow && traversal.hit == kRefNone)
       compensatedAdd(sum, compensation,
                      weight * localWeight(material) *
                          lightReflected(surface, -ray.direction, position, xyz(color), material));
@@ -138,22 +138,22 @@ void addLight(const Surface surface, const MaterialRows material, inout int budg
   }
 }
 
-// Of a wall that is hidden in other glass nothing is seen: the ray goes straight on.
-void passHiddenWall(const Surface surface, const Crossing crossing) {
+// Of an interface that is hidden in other glass nothing is seen: the ray goes straight on.
+void passHiddenInterface(const Surface surface, const Crossing crossing) {
   ray = leaveSurface(surface, hitPrimitive, ray.direction, false);
-  solids = crossing.beyond;
-  ++hiddenWalls;
-  walk = walkFromRoot();
+  media = crossing.beyond;
+  ++hiddenInterfaces;
+  traversal = startAtRoot();
   phase = kTrace;
   // Every such ray comes to an end, whatever the geometry.
-  if (hiddenWalls >= kMaxHiddenWalls) {
-    solidsLost = true;
+  if (hiddenInterfaces >= kMaxHiddenInterfaces) {
+    mediaLost = true;
     phase = kNextRay;
   }
 }
 
 // All lights are done: spawns what is reflected and transmitted. One ray goes on, the other waits.
-void spawnRays(const Surface surface, const MaterialRows material, const Crossing crossing, const uint slot) {
+void spawnRays(const Surface surface, const MaterialData material, const Crossing crossing, const uint slot) {
   phase = kNextRay;
   float r = reflectance(material), t = transmittance(material);
   vec3 T = vec3(0);
@@ -179,20 +179,20 @@ void spawnRays(const Surface surface, const MaterialRows material, const Crossin
     ray = through;
     rayKind = kRefracted;
     weight = transmittedWeight;
-    if (SOLIDS) solids = crossing.beyond;
+    if (NESTED_DIELECTRICS) media = crossing.beyond;
   }
   if (reflects || transmits) {
     ++level;
-    hiddenWalls = 0u;
-    walk = walkFromRoot();
+    hiddenInterfaces = 0u;
+    traversal = startAtRoot();
     phase = kTrace;
   }
 }
 
 // Follows one ray to its nearest hit, from there to the lights, and spawns the next: one step down the tree of rays.
 void followRay(const uint slot, const uvec2 pixel, inout int budget) {
-  // This turn, and those that no lane takes: of the walk below, of the loop over lights and of the walk in it.
-  budget -= 2 + idleTurns(NEAREST_NODES) + idleTurns(SHADOW_NODES) + (SOLIDS ? int(2u * kMaxWalls) : 0);
+  // This turn, and those that no lane takes: of the traversal below, of the loop over lights and of the traversal in it.
+  budget -= 2 + idleTurns(NEAREST_NODES) + idleTurns(SHADOW_NODES) + (NESTED_DIELECTRICS ? int(2u * kMaxInterfaces) : 0);
   if (SAMPLES > 1u && phase == kNextSample) beginSample(pixel);
 
   RayFactors factors = rayFactors(ray.direction);
@@ -200,10 +200,10 @@ void followRay(const uint slot, const uvec2 pixel, inout int budget) {
 
   if (phase == kNextLight || phase == kTraceShadow) {
     Surface surface = surfaceAt(ray, factors, hitT, hitPrimitive);
-    MaterialRows material = materialRows(surface.material);
+    MaterialData material = materialData(surface.material);
     Crossing crossing = Crossing(uvec4(0u), false, vec2(1, 0));
-    if (SOLIDS) {
-      crossing = crossWalls(solids, hitPlace, material, surface.front);
+    if (NESTED_DIELECTRICS) {
+      crossing = crossInterfaces(media, hitInterfaces, material, surface.front);
     } else if (REFRACTION) {
       crossing.n = indexBehind(surface, indexOfRefraction(material));
     }
@@ -216,7 +216,7 @@ void followRay(const uint slot, const uvec2 pixel, inout int budget) {
     }
     if (phase == kNextLight && light >= LIGHTS) {
       if (crossing.hidden)
-        passHiddenWall(surface, crossing);
+        passHiddenInterface(surface, crossing);
       else
         spawnRays(surface, material, crossing, slot);
     }
@@ -226,7 +226,7 @@ void followRay(const uint slot, const uvec2 pixel, inout int budget) {
   if (phase == kNextRay) {
     if (REFRACTION && anyPending()) {
       popRay(slot);
-      walk = walkFromRoot();
+      traversal = startAtRoot();
       phase = kTrace;
     } else {
       ++sampleIndex;
@@ -237,7 +237,7 @@ void followRay(const uint slot, const uvec2 pixel, inout int budget) {
 
 void main() {
   frame = frameInMemory;
-  solidsLost = false;
+  mediaLost = false;
   root = frame.centreHi.w;
   uint slot = invocationSlot();
   uvec2 inTile = slotPixel(slot);
@@ -255,8 +255,8 @@ void main() {
   } else {
     takeUpWork(slot);
     phase = mine ? pixels[at].w : kDone;
-    if (phase == kDone) walk.next = kRefNone, walk.top = 0u;
-    if (NEAREST_NODES || SHADOW_NODES) loadNodeStack(slot, walk.top);
+    if (phase == kDone) traversal.next = kRefNone, traversal.top = 0u;
+    if (NEAREST_NODES || SHADOW_NODES) loadNodeStack(slot, traversal.top);
   }
   bool finishedBefore = phase == kDone;
 
@@ -268,12 +268,12 @@ void main() {
   }
 
   if (COUNTERS && exists && (FRESH || !finishedBefore)) putCountsAway(slot);
-  if (SOLIDS && solidsLost) atomicAdd(status.solidsLost, 1u);
+  if (NESTED_DIELECTRICS && mediaLost) atomicAdd(status.mediaLost, 1u);
   if (!finishedBefore) {
     pixels[at] = packRow(sum / float(SAMPLES * SAMPLES), phase);
     if (phase != kDone) {
       putWorkAway(slot);
-      if (NEAREST_NODES || SHADOW_NODES) saveNodeStack(slot, walk.top);
+      if (NEAREST_NODES || SHADOW_NODES) saveNodeStack(slot, traversal.top);
       atomicAdd(status.unfinished, 1u);
       atomicAdd(status.samplesWaiting, SAMPLES * SAMPLES - sampleIndex);
     }

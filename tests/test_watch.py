@@ -506,11 +506,11 @@ class Shaders(Session):
         with self.watch() as w:
             w.picture()
             before = self.exr()
-            text = self.source("cube.glsl").read_text()
-            self.save("cube.glsl", text + '#include "cube.glsl"\n')
-            self.assert_diagnosis(w, w.refused(), "cube.glsl")
+            text = self.source("light_buffer.glsl").read_text()
+            self.save("light_buffer.glsl", text + '#include "light_buffer.glsl"\n')
+            self.assert_diagnosis(w, w.refused(), "light_buffer.glsl")
             self.assertEqual(self.exr(), before)
-            self.save("cube.glsl", text)
+            self.save("light_buffer.glsl", text)
             w.picture()
             self.assertEqual(self.exr(), before)
 
@@ -715,11 +715,11 @@ class Layout(Session):
         with self.watch() as w:
             w.picture()
             before = self.exr()
-            self.edit("layout.h", "kCubeRows = 6u;", "kCubeRows = 6u;  // one for each face")
+            self.edit("layout.h", "kLightBufferRows = 6u;", "kLightBufferRows = 6u;  // one for each face")
             w.picture()
             self.assertEqual(self.exr(), before)
             text = self.source("layout.h").read_text()
-            self.save("layout.h", text.replace("TURNER_CONST kCubeRows", "TURNER_CONST kMine = 2u;\nTURNER_CONST kCubeRows"))
+            self.save("layout.h", text.replace("TURNER_CONST kLightBufferRows", "TURNER_CONST kMine = 2u;\nTURNER_CONST kLightBufferRows"))
             w.picture()
             self.assertEqual(self.exr(), before)
             self.edit("shade.glsl", SHADE, SHADE.replace("E", "float(kMine) * E", 1))
@@ -1531,7 +1531,7 @@ class Timing(Session):
 # --- random edits -------------------------------------------------------------------------------------------------------
 
 TOKEN = re.compile(rb"[A-Za-z_]\w*|\.?\d[\w.]*|[^\w\s]")
-LOOPS = [b"while (true) {}", b"for (;;) { status.limiter += 0u; }", b"for (uint i = 0u; i < 70000u; ++i) frame.solids.x ^= i;"]
+LOOPS = [b"while (true) {}", b"for (;;) { status.limiter += 0u; }", b"for (uint i = 0u; i < 70000u; ++i) frame.media.x ^= i;"]
 
 
 class Mutator:

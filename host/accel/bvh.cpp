@@ -31,8 +31,9 @@ class Flattener {
  public:
   Flattener(std::span<const Box> boxes, size_t firstOfSecondKind, const BvhLimits& limits)
       : boxes_(boxes), firstOfSecondKind_(firstOfSecondKind), limits_(limits) {
-    makeRoom(bvh_.order, boxes.size());
-    makeRoom(bvh_.nodes, boxes.size() / 2 + boxes.size() / 8);  // Embree makes about half as many nodes as boxes
+    reservePrefaulted(bvh_.order, boxes.size());
+    reservePrefaulted(bvh_.nodes,
+                      boxes.size() / 2 + boxes.size() / 8);  // Embree makes about half as many nodes as boxes
   }
 
   // A node whose children are written by the two functions, which return BvhChild and take their depth.
@@ -130,7 +131,7 @@ bool buildWithEmbree(std::span<const Box> boxes, const BvhLimits& limits, Flatte
   if (!bvh) throw RunError("Embree cannot build: rtcNewBVH failed");
 
   std::vector<RTCBuildPrimitive> primitives;
-  makeRoom(primitives, boxes.size());
+  reservePrefaulted(primitives, boxes.size());
   primitives.resize(boxes.size());
   forAll(boxes.size(), [&](size_t i) {
     const Box& box = boxes[i];

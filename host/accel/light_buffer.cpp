@@ -41,9 +41,9 @@ constexpr size_t kSmallScene = 150'000, kMostOpenedAll = 256, kMostTests = 48;
 // one fewer, because each test waits for memory that no neighbour has fetched: 10^7 triangles trace 1.2 times faster.
 constexpr size_t kHugeScene = 2'000'000, kMostOpened = 48, kMostOpenedHuge = 16;
 constexpr float kCovers = 0.8f;
-size_t mostOpened(size_t shapes) {
-  if (shapes <= kSmallScene) return kMostOpenedAll;
-  return shapes <= kHugeScene ? kMostOpened : kMostOpenedHuge;
+size_t mostOpened(size_t primitives) {
+  if (primitives <= kSmallScene) return kMostOpenedAll;
+  return primitives <= kHugeScene ? kMostOpened : kMostOpenedHuge;
 }
 
 struct Rect {
@@ -160,7 +160,7 @@ struct Block {
   std::vector<uint8_t> levels;  // of each coarse cell, row by row: it has 2^levels fine cells on a side
   std::vector<List> lists;      // of the fine cells of each coarse cell, row by row
   std::vector<Entry> entries;
-  bool meetsNodes = false;
+  bool visitsNodes = false;
 };
 
 // The share of one block.
@@ -171,7 +171,7 @@ struct BlockBounds {
 // Fills the cells of one block of a face.
 class BlockBuilder {
  public:
-  BlockBuilder(const CubeTree& tree, const Face& face, const BlockBounds& bounds)
+  BlockBuilder(const LightBufferTree& tree, const Face& face, const BlockBounds& bounds)
       : tree_(tree), face_(face), bounds_(bounds) {}
 
   // `side` coarse cells on a side; about so many rays come through each.
@@ -210,16 +210,16 @@ class BlockBuilder {
     return !outside;
   }
 
-  void add(const Box& box, uint32_t index, bool isShape, const Rect& rect) {
+  void add(const Box& box, uint32_t index, bool isPrimitive, const Rect& rect) {
     Candidate candidate;
     if (!face_.project(box, candidate) || !candidate.rect.overlaps(rect)) return;
     candidate.index = index;
-    if (isShape) {
+    if (isPrimitive) {
       candidate.edges = uint32_t(edges_.size());
       edges_.emplace_back();
-      const uint32_t shape = tree_.bvh.order[index];
-      if (shape >= tree_.shapes.firstPair()) {
-        face_.projectEdges(cornersOf(shape), box, edges_.back());
+      const uint32_t primitive = tree_.bvh.order[index];
+      if (primitive >= tree_.prepared.firstPair()) {
+        face_.projectEdges(cornersOf(primitive), box, edges_.back());
         if (!overlaps(candidate, rect)) {
           edges_.pop_back();
           return;
@@ -236,12 +236,12 @@ class BlockBuilder {
       return;
     }
     for (uint32_t i = child.first; i < child.first + child.count; ++i)
-      add(tree_.shapes.boxes[tree_.bvh.order[i]], i, true, rect);
+      add(tree_.prepared.boxes[tree_.bvh.order[i]], i, true, rect);
   }
 
-  Corners cornersOf(uint32_t shape) const {
-    const TrianglePair& pair = tree_.shapes.pairs[shape - tree_.shapes.firstPair()];
-    const std::vector<Triangle>& triangles = tree_.shapes.scene.triangles;
+  Corners cornersOf(uint32_t primitive) const {
+    const TrianglePair& pair = tree_.prepared.pairs[primitive - tree_.prepared.firstPair()];
+    const std::vector<Triangle>& triangles = tree_.prepared.scene.triangles;
     const auto& [a, b, c] = triangles[pair.first].vertices;
     return {a, b, c, pair.isAlone() ? b : triangles[pair.second].vertices[0]};
   }
@@ -375,7 +375,7 @@ class BlockBuilder {
     }
     if (block_.entries.size() + entries > mostEntries_) return false;
     // Lists that would keep nodes are divided as long as that helps at all, until one keeps them nevertheless.
-    if (hasNodes && !block_.meetsNodes && opensAll_ && here.end - here.first > kMostTests && then < 0.8 * now)
+    if (hasNodes && !block_.visitsNodes && opensAll_ && here.end - here.first > kMostTests && then < 0.8 * now)
       return true;
     return rays * (now - then) > 4 * then * kEntryCost;
   }
@@ -395,7 +395,7 @@ class BlockBuilder {
     List list{uint(block_.entries.size()), 0};
     for (size_t i = first; i < pool_.size(); ++i) {
       const Candidate& candidate = pool_[i];
-      block_.meetsNodes |= candidate.isNode();
+      block_.visitsNodes |= candidate.isNode();
       block_.entries.push_back(
           {candidate.isNode() ? candidate.index : gpu::kRefLeaf | tree_.references[candidate.index],
            candidate.distance});
@@ -421,7 +421,7 @@ class BlockBuilder {
     }
   }
 
-  const CubeTree& tree_;
+  const LightBufferTree& tree_;
   const Face& face_;
   const BlockBounds bounds_;
   const bool opensAll_ = tree_.bvh.order.size() <= kSmallScene;
@@ -443,7 +443,7 @@ Row integers(uint x, uint y, uint z = 0, uint w = 0) {
   return {std::bit_cast<float>(x), std::bit_cast<float>(y), std::bit_cast<float>(z), w};
 }
 
-// The row of gpu::CubeFace; the window is a square.
+// The row of gpu::LightBufferFace; the window is a square.
 Row faceRow(const Rect& window, int coarse, size_t firstCell) {
   if (firstCell >= size_t(1) << 24) throw InputError("the scene has more lights than the kernel can number");
   const float width = window.uHi - window.uLo;
@@ -527,7 +527,7 @@ size_t occupiedCells(const PlannedFace& face) {
 
 }  // namespace
 
-DirectionCubes buildDirectionCubes(std::span<const CubePoint> points, const CubeTree& tree) {
+LightBuffers buildLightBuffers(std::span<const LightBufferPoint> points, const LightBufferTree& tree) {
   std::vector<PlannedFace> faces(points.size() * 6);
   struct Task {
     size_t face;
@@ -575,8 +575,8 @@ DirectionCubes buildDirectionCubes(std::span<const CubePoint> points, const Cube
   }
 
   // Rows: faces, coarse cells, fine cells, entries.
-  DirectionCubes cubes;
-  cubes.meetsNodes.resize(points.size());
+  LightBuffers lightBuffers;
+  lightBuffers.visitsNodes.resize(points.size());
   size_t coarse = faces.size(), fine = coarse + 1, entry = 0;
   for (const PlannedFace& face : faces) fine += face.blocks.empty() ? 0 : size_t(face.coarse * face.coarse);
   entry = fine + 1;
@@ -587,31 +587,31 @@ DirectionCubes buildDirectionCubes(std::span<const CubePoint> points, const Cube
   size_t entries = 0;
   for (const PlannedFace& face : faces)
     for (const Block& block : face.blocks) entries += block.entries.size();
-  makeRoom(cubes.rows, entry + entries / 2 + 2);
-  cubes.rows.resize(entry);
-  cubes.rows[nowhere] = integers(emptyList, 1);
-  cubes.rows[emptyList] = integers(0, 0);
+  reservePrefaulted(lightBuffers.rows, entry + entries / 2 + 2);
+  lightBuffers.rows.resize(entry);
+  lightBuffers.rows[nowhere] = integers(emptyList, 1);
+  lightBuffers.rows[emptyList] = integers(0, 0);
   ++coarse;
   ++fine;
   for (size_t p = 0; p < points.size(); ++p) {
     bool meets = false;
     for (size_t q = 0; q < points.size(); ++q) {
-      if (points[q].kernelWalk != points[p].kernelWalk) continue;
-      meets |= points[q].walkMeetsNodes;
+      if (points[q].kernelTraversal != points[p].kernelTraversal) continue;
+      meets |= points[q].traversalVisitsNodes;
       for (size_t f = 6 * q; f < 6 * q + 6; ++f)
-        for (const Block& block : faces[f].blocks) meets |= block.meetsNodes;
+        for (const Block& block : faces[f].blocks) meets |= block.visitsNodes;
     }
-    cubes.meetsNodes[p] = meets;
+    lightBuffers.visitsNodes[p] = meets;
   }
   std::vector<Entry> all;
-  makeRoom(all, entries);
+  reservePrefaulted(all, entries);
   for (size_t f = 0; f < faces.size(); ++f) {
     PlannedFace& face = faces[f];
     if (face.blocks.empty()) {
-      cubes.rows[f] = faceRow({}, 1, nowhere);
+      lightBuffers.rows[f] = faceRow({}, 1, nowhere);
       continue;
     }
-    cubes.rows[f] = faceRow(face.window, face.coarse, coarse);
+    lightBuffers.rows[f] = faceRow(face.window, face.coarse, coarse);
     const int across = face.blocksOnASide(), side = face.coarse / across;
     for (size_t b = 0; b < face.blocks.size(); ++b) {
       Block& block = face.blocks[b];
@@ -620,15 +620,15 @@ DirectionCubes buildDirectionCubes(std::span<const CubePoint> points, const Cube
       for (size_t cell = 0; cell < block.levels.size(); ++cell) {
         const size_t x = b % size_t(across) * size_t(side) + cell % size_t(side);
         const size_t y = b / size_t(across) * size_t(side) + cell / size_t(side);
-        cubes.rows[coarse + y * size_t(face.coarse) + x] = integers(uint(fine), 1u << block.levels[cell]);
+        lightBuffers.rows[coarse + y * size_t(face.coarse) + x] = integers(uint(fine), 1u << block.levels[cell]);
         for (size_t end = list + (size_t(1) << (2 * block.levels[cell])); list < end; ++list) {
           const List& l = block.lists[list];
           const auto begin = block.entries.begin();
           const auto isSphere = [](const Entry& e) { return (e.reference & gpu::kRefTriangle) == 0; };
-          const auto triangles = cubes.meetsNodes[f / 6]
+          const auto triangles = lightBuffers.visitsNodes[f / 6]
                                      ? begin + l.first
                                      : std::stable_partition(begin + l.first, begin + l.end, isSphere);
-          cubes.rows[fine++] = integers(first + l.first, first + l.end, first + uint(triangles - begin));
+          lightBuffers.rows[fine++] = integers(first + l.first, first + l.end, first + uint(triangles - begin));
         }
       }
       all.insert(all.end(), block.entries.begin(), block.entries.end());
@@ -638,30 +638,31 @@ DirectionCubes buildDirectionCubes(std::span<const CubePoint> points, const Cube
   }
   for (size_t i = 0; i < all.size(); i += 2) {
     const Entry a = all[i], b = i + 1 < all.size() ? all[i + 1] : Entry{gpu::kRefNone, 0};
-    cubes.rows.push_back({std::bit_cast<float>(a.reference), a.distance, std::bit_cast<float>(b.reference),
-                          std::bit_cast<uint>(b.distance)});
+    lightBuffers.rows.push_back({std::bit_cast<float>(a.reference), a.distance, std::bit_cast<float>(b.reference),
+                                 std::bit_cast<uint>(b.distance)});
   }
-  cubes.rows.push_back({});  // the kernel may look at the entry behind the last one
-  return cubes;
+  lightBuffers.rows.push_back({});  // the kernel may look at the entry behind the last one
+  return lightBuffers;
 }
 
-DirectionCubes wholeTreeCubes(std::span<const CubePoint> points, const CubeTree& tree) {
+LightBuffers wholeTreeLightBuffers(std::span<const LightBufferPoint> points, const LightBufferTree& tree) {
   const Bvh& bvh = tree.bvh;
-  DirectionCubes cubes;
+  LightBuffers lightBuffers;
   const bool isNode = bvh.root.count == 0 && !bvh.nodes.empty();
-  cubes.meetsNodes.assign(points.size(), true);  // its lists are not sorted by kind
+  lightBuffers.visitsNodes.assign(points.size(), true);  // its lists are not sorted by kind
   // Every face has one cell, all with the same list.
-  const uint coarse = uint(points.size() * gpu::kCubeRows), fine = coarse + 1, list = 2 * (fine + 1);
-  for (size_t f = 0; f < points.size() * gpu::kCubeRows; ++f) cubes.rows.push_back(faceRow({}, 1, coarse));
-  cubes.rows.push_back(integers(fine, 1));
+  const uint coarse = uint(points.size() * gpu::kLightBufferRows), fine = coarse + 1, list = 2 * (fine + 1);
+  for (size_t f = 0; f < points.size() * gpu::kLightBufferRows; ++f)
+    lightBuffers.rows.push_back(faceRow({}, 1, coarse));
+  lightBuffers.rows.push_back(integers(fine, 1));
   std::vector<uint> all;
   if (isNode) all = {bvh.root.first};
   for (uint32_t i = 0; i < bvh.root.count; ++i) all.push_back(gpu::kRefLeaf | tree.references[bvh.root.first + i]);
-  cubes.rows.push_back(integers(list, list + uint(all.size()), list));
+  lightBuffers.rows.push_back(integers(list, list + uint(all.size()), list));
   for (size_t i = 0; i < all.size(); i += 2)
-    cubes.rows.push_back(integers(all[i], 0, i + 1 < all.size() ? all[i + 1] : gpu::kRefNone, 0));
-  cubes.rows.push_back({});  // the kernel may look at the entry behind the last one
-  return cubes;
+    lightBuffers.rows.push_back(integers(all[i], 0, i + 1 < all.size() ? all[i + 1] : gpu::kRefNone, 0));
+  lightBuffers.rows.push_back({});  // the kernel may look at the entry behind the last one
+  return lightBuffers;
 }
 
 }  // namespace turner

@@ -1,7 +1,7 @@
 // Lists of what rays through one point can hit: the point is the eye or a light, the lists stand in the cells of a cube
 // of directions around it. An item buffer (Weghorst, Hooper, Greenberg, ACM TOG 3(1), 1984) and a light buffer (Haines,
 // Greenberg, IEEE CG&A 6(9), 1986) over a tree: a list holds shapes, or nodes where many shapes share a cell.
-// shaders/cube.glsl looks the lists up.
+// shaders/light_buffer.glsl looks the lists up.
 #pragma once
 
 #include <array>
@@ -15,35 +15,35 @@
 
 namespace turner {
 
-// The part of a face that rays go through, in its coordinates (gpu::CubeFace); empty where hi < lo.
+// The part of a face that rays go through, in its coordinates (gpu::LightBufferFace); empty where hi < lo.
 struct FaceWindow {
   double uLo = -1, uHi = 1, vLo = -1, vHi = 1;
 };
 
-struct CubePoint {
+struct LightBufferPoint {
   glm::dvec3 position{0};
-  std::array<FaceWindow, 6> windows;  // in the order of gpu::CubeFace
+  std::array<FaceWindow, 6> windows;  // in the order of gpu::LightBufferFace
   size_t rays = 0;                    // about how many will come: as many cells are worth their time
-  int kernelWalk = 0;                 // points of one number are looked up by the same piece of the kernel
-  bool walkMeetsNodes = false;        // that meets nodes anyhow, for other rays
+  int kernelTraversal = 0;            // points of one number are looked up by the same piece of the kernel
+  bool traversalVisitsNodes = false;  // that meets nodes anyhow, for other rays
 };
 
-struct DirectionCubes {
-  std::vector<gpu::Row> rows;    // all cubes, as the kernel reads them
-  std::vector<bool> meetsNodes;  // for each point: whether its kernel walk has to be able to visit nodes
+struct LightBuffers {
+  std::vector<gpu::Row> rows;     // all cubes, as the kernel reads them
+  std::vector<bool> visitsNodes;  // for each point: whether its kernel walk has to be able to visit nodes
 };
 
 // What the lists refer to.
-struct CubeTree {
-  const Shapes& shapes;
+struct LightBufferTree {
+  const PreparedGeometry& prepared;
   const Bvh& bvh;                         // over its boxes
   std::span<const gpu::uint> references;  // the kernel's, of single shapes, in the order of Bvh::order
 };
 
 // Works on all cores; the result does not depend on their number.
-DirectionCubes buildDirectionCubes(std::span<const CubePoint> points, const CubeTree& tree);
+LightBuffers buildLightBuffers(std::span<const LightBufferPoint> points, const LightBufferTree& tree);
 
 // The same interface with the whole tree in every list: for tests, and to measure what the lists are worth.
-DirectionCubes wholeTreeCubes(std::span<const CubePoint> points, const CubeTree& tree);
+LightBuffers wholeTreeLightBuffers(std::span<const LightBufferPoint> points, const LightBufferTree& tree);
 
 }  // namespace turner

@@ -1,4 +1,4 @@
-// Faults are kept by byte offset; lines and columns are counted once, when they are told.
+// Diagnostics are kept by byte offset; lines and columns are counted once, when they are told.
 #include "base/diagnostics.h"
 
 #include <algorithm>
@@ -10,13 +10,13 @@
 
 namespace turner {
 
-Faults::Faults(std::string path, std::string_view text) : path_(std::move(path)), text_(text) {}
+Diagnostics::Diagnostics(std::string path, std::string_view text) : path_(std::move(path)), text_(text) {}
 
-void Faults::add(size_t offset, std::string message) {
+void Diagnostics::add(size_t offset, std::string message) {
   faults_.push_back({std::min(offset, text_.size()), std::move(message)});
 }
 
-void Faults::throwIfAny() const {
+void Diagnostics::throwIfAny() const {
   if (faults_.empty()) return;
   std::vector<Fault> sorted = faults_;
   std::stable_sort(sorted.begin(), sorted.end(), [](const Fault& a, const Fault& b) { return a.offset < b.offset; });

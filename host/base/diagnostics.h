@@ -10,12 +10,12 @@
 
 namespace turner {
 
-class Faults {
+class Diagnostics {
  public:
   // `text` is the whole file; it must outlive this object. `path` is printed as given.
-  Faults(std::string path, std::string_view text);
+  Diagnostics(std::string path, std::string_view text);
 
-  // Notes a fault at a byte offset of the text. Faults may come in any order.
+  // Notes a fault at a byte offset of the text. Diagnostics may come in any order.
   void add(size_t offset, std::string message);
   bool empty() const { return faults_.empty(); }
   size_t count() const { return faults_.size(); }

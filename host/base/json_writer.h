@@ -14,9 +14,9 @@
 
 namespace turner {
 
-class JsonText {
+class JsonWriter {
  public:
-  JsonText() { writer_.SetIndent(' ', 2); }
+  JsonWriter() { writer_.SetIndent(' ', 2); }
 
   template <class Fill>
   void object(Fill&& fill) {

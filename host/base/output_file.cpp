@@ -61,7 +61,7 @@ fs::path folderOf(const fs::path& file) {
   return file.has_parent_path() ? file.parent_path() : fs::path(".");
 }
 
-void writeAll(const std::string& path, const Descriptor& file, std::string_view bytes) {
+void writeAll(const std::string& path, const UniqueFd& file, std::string_view bytes) {
   while (!bytes.empty()) {
     const ssize_t written = ::write(file.number, bytes.data(), bytes.size());
     if (written < 0 && errno == EINTR) continue;
@@ -71,14 +71,14 @@ void writeAll(const std::string& path, const Descriptor& file, std::string_view 
 }
 
 // Closing may be the moment at which a network file system reports that its disk is full.
-void closeFile(const std::string& path, Descriptor& file) {
+void closeFile(const std::string& path, UniqueFd& file) {
   // After EINTR Linux has closed the file all the same.
   if (::close(std::exchange(file.number, -1)) != 0 && errno != EINTR) fail(path, "close", errno);
 }
 
 // Writes to what cannot be replaced by a rename: a device or a pipe.
 void writeInto(const std::string& path, std::string_view bytes) {
-  Descriptor file(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
+  UniqueFd file(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
   if (file.number < 0) fail(path, "open", errno);
   writeAll(path, file, bytes);
   closeFile(path, file);
@@ -139,7 +139,7 @@ void writeWholeFile(const std::string& path, std::string_view bytes) {
   const fs::path target = followLinks(path);
   int number = -1;
   Temporary temporary(makeTemporary(path, target, number));
-  Descriptor file(number);
+  UniqueFd file(number);
   writeAll(path, file, bytes);
   // Bring the bytes to the disk before the name: else a power cut may leave an empty file under the new name.
   if (::fsync(file.number) != 0) fail(path, "fsync", errno);

@@ -8,7 +8,7 @@
 
 namespace turner {
 
-void mapPages(void* begin, size_t bytes) {
+void prefault(void* begin, size_t bytes) {
   constexpr size_t kWorthACall = 1 << 20;
   if (bytes < kWorthACall) return;
   const auto page = uintptr_t(sysconf(_SC_PAGESIZE));

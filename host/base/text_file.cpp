@@ -34,7 +34,7 @@ std::string readTextFile(const std::string& path) {
   std::string text;
   for (size_t got = 0;; room = 2 * room + (size_t(1) << 16)) {
     text.reserve(room);
-    mapPages(text.data() + got, room - got);
+    prefault(text.data() + got, room - got);
     text.resize(room);
     while (got < room) {
       const ssize_t count = read(file.descriptor, text.data() + got, room - got);

@@ -5,12 +5,12 @@
 
 namespace turner {
 
-struct Descriptor {
+struct UniqueFd {
   int number;
-  explicit Descriptor(int opened) : number(opened) {}
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  ~Descriptor() {
+  explicit UniqueFd(int opened) : number(opened) {}
+  UniqueFd(const UniqueFd&) = delete;
+  UniqueFd& operator=(const UniqueFd&) = delete;
+  ~UniqueFd() {
     if (number >= 0) ::close(number);
   }
 };

@@ -117,9 +117,12 @@ void addRenderOptions(CLI::App& command, RenderOptions& options) {
   addText(command, "--crop", options.crop, "x0,y0,x1,y1", "Render only the pixels x0 <= x < x1, y0 <= y < y1");
   addText(command, "--shaders", options.shaders, "DIR", "Folder of the kernel's sources (default: turner's own)");
   command.add_flag("--quiet", options.quiet, "Print nothing but errors");
-  addChoice<Fetch>(command, "--fetch", options.fetch,
-                   {{"texels", Fetch::texels}, {"buffers", Fetch::buffers}, {"addresses", Fetch::addresses}},
-                   "How the kernel fetches the scene; never changes the picture (default: what suits the device)");
+  addChoice<BufferAccess>(
+      command, "--fetch", options.access,
+      {{"texels", BufferAccess::texelBuffer},
+       {"buffers", BufferAccess::storageBuffer},
+       {"addresses", BufferAccess::deviceAddress}},
+      "How the kernel fetches the scene; never changes the picture (default: what suits the device)");
   addInteger(
       command, "--tile", options.tile, 8, 4096,
       "Pixels on a tile's side, rounded up to whole blocks of 8; never changes the picture (default: the device's)");

@@ -29,8 +29,8 @@ struct RenderOptions {
   Geometry geometry = Geometry::exact;
   std::string device, crop, shaders, stats;
   bool quiet = false;
-  Fetch fetch = Fetch::automatic;  // how the kernel fetches the scene; never changes the picture
-  int tile = 0;                    // how the work is cut; never changes the picture
+  BufferAccess access = BufferAccess::automatic;  // how the kernel fetches the scene; never changes the picture
+  int tile = 0;                                   // how the work is cut; never changes the picture
   int workGroup = 64;
 };
 

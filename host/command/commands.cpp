@@ -68,15 +68,15 @@ class UploadedScene {
   UploadedScene(Scene scene, const RenderSettings& settings, const RenderOptions& options)
       : quiet_(options.quiet),
         device_(chooseDeviceFor(options.device)),
-        renderer_(device_, options.fetch),
+        renderer_(device_, options.access),
         dispatching_{.tile = options.tile, .workGroup = options.workGroup} {
     stats_.backend = "shader";
     stats_.geometry = "rounded";  // the kernel has no other
     stats_.device = device_;
-    stats_.fetch = fetchName(renderer_.fetch());
+    stats_.access = accessName(renderer_.access());
     if (!quiet_)
       fmt::print("device: {}: {} ({}, {}), fetching {}\n", device_.index, device_.name, device_.type, device_.driver,
-                 stats_.fetch);
+                 stats_.access);
 
     Stopwatch watch;
     PackedScene packed = prepareScene(std::move(scene), settings);
@@ -86,7 +86,7 @@ class UploadedScene {
     stats_.seconds.build = watch.lap();
     throwIfInterrupted();
 
-    kernel_ = compileGlsl(shaderFolder(options.shaders) + "/whitted.comp", fetchPreamble(renderer_.fetch()));
+    kernel_ = compileGlsl(shaderFolder(options.shaders) + "/whitted.comp", accessPreamble(renderer_.access()));
     stats_.seconds.compile = watch.lap();
     throwIfInterrupted();
 

@@ -8,7 +8,7 @@
 namespace turner {
 
 std::string statsJson(const Stats& stats) {
-  JsonText json;
+  JsonWriter json;
   const RenderSettings& settings = stats.settings;
   json.object([&] {
     json.put("scene", stats.scene);
@@ -27,7 +27,7 @@ std::string statsJson(const Stats& stats) {
       json.put("min_weight", settings.minWeight);
       json.put("backend", stats.backend);
       json.put("geometry", stats.geometry);
-      json.put("fetch", stats.fetch);
+      json.put("fetch", stats.access);
       json.put("crop", cropText(settings.crop));
     });
     json.object("primitives", [&] {
@@ -60,7 +60,7 @@ std::string statsJson(const Stats& stats) {
 
 std::string comparisonJson(const Comparison& comparison, const std::optional<Decomposition>& decomposition,
                            const std::optional<EnvelopeRule>& envelope) {
-  JsonText json;
+  JsonWriter json;
   json.object([&] {
     putFigures(json, comparison);
     if (decomposition) {
@@ -90,7 +90,7 @@ std::string comparisonJson(const Comparison& comparison, const std::optional<Dec
 }
 
 std::string devicesJson(const std::vector<DeviceInfo>& devices) {
-  JsonText json;
+  JsonWriter json;
   json.array([&] {
     for (const DeviceInfo& device : devices) {
       json.object([&] {

@@ -23,7 +23,7 @@ struct Stats {
   std::string scene;
   DeviceInfo device;
   RenderSettings settings;
-  std::string backend, geometry, fetch;
+  std::string backend, geometry, access;
   size_t spheres = 0, triangles = 0;
   RayCounts rays;
   Visits visits;  // of the shader: what its rays met

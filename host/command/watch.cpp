@@ -76,7 +76,7 @@ class TextListener : public WatchListener {
     say("scene: {} ({} spheres, {} triangles)\n", plan_.scene, scene.spheres, scene.triangles);
     for (const std::string& note : scene.told.notes) say("note: {}\n", note);
     if (std::exchange(toldDevice_, true)) return;
-    say("device: {} ({}, {}), fetching {}\n", scene.device, scene.deviceType, scene.driver, scene.fetch);
+    say("device: {} ({}, {}), fetching {}\n", scene.device, scene.deviceType, scene.driver, scene.access);
   }
   void onCoarse(int, double seconds) override { coarse_ = seconds; }
   void onPicture(int version, double seconds, const std::vector<std::string>& changed) override {
@@ -137,7 +137,7 @@ class TextListener : public WatchListener {
 class JsonListener : public WatchListener {
  public:
   explicit JsonListener(const WatchPlan& plan) {
-    say("watching", [&](JsonText& json) {
+    say("watching", [&](JsonWriter& json) {
       json.put("scene", plan.scene);
       json.put("shaders", plan.shaders);
       json.array("outputs", [&] {
@@ -147,7 +147,7 @@ class JsonListener : public WatchListener {
   }
 
   void onScene(const SceneReady& scene) override {
-    say("scene", [&](JsonText& json) {
+    say("scene", [&](JsonWriter& json) {
       json.put("spheres", scene.spheres);
       json.put("triangles", scene.triangles);
       json.put("width", scene.settings.width);
@@ -163,29 +163,29 @@ class JsonListener : public WatchListener {
     });
   }
   void onCoarse(int version, double seconds) override {
-    say("coarse", [&](JsonText& json) {
+    say("coarse", [&](JsonWriter& json) {
       json.put("version", version);
       json.put("seconds", seconds);
     });
   }
   void onPicture(int version, double seconds, const std::vector<std::string>&) override {
-    say("picture", [&](JsonText& json) {
+    say("picture", [&](JsonWriter& json) {
       json.put("version", version);
       json.put("seconds", seconds);
     });
   }
   void onVersion(const Consequences& consequences) override {
-    say("version", [&](JsonText& json) { putConsequences(json, consequences); });
+    say("version", [&](JsonWriter& json) { putConsequences(json, consequences); });
   }
   void onReference(int version, const Comparison& comparison) override {
-    say("reference", [&](JsonText& json) {
+    say("reference", [&](JsonWriter& json) {
       json.put("version", version);
       putComparison(json, "to_reference", comparison);
     });
   }
   void onRefused(const Refusal& refusal) override {
     tellDiagnoses(refusal.diagnoses);
-    say("refused", [&](JsonText& json) {
+    say("refused", [&](JsonWriter& json) {
       json.put("version", refusal.version);
       json.put("last_good", refusal.lastGood);
       json.put("seconds", refusal.seconds);
@@ -195,24 +195,24 @@ class JsonListener : public WatchListener {
     });
   }
   void onSuperseded(int version) override {
-    say("superseded", [&](JsonText& json) { json.put("version", version); });
+    say("superseded", [&](JsonWriter& json) { json.put("version", version); });
   }
   void onTrouble(int version, const std::vector<Diagnosis>& diagnoses) override {
     tellDiagnoses(diagnoses);
-    say("trouble", [&](JsonText& json) {
+    say("trouble", [&](JsonWriter& json) {
       json.put("version", version);
       putDiagnoses(json, diagnoses);
     });
   }
   void onStop(std::optional<int> version) override {
-    say("stopped", [&](JsonText& json) { json.put("version", version); });
+    say("stopped", [&](JsonWriter& json) { json.put("version", version); });
   }
   void onProgress(int, Step, double) override {}
 
  private:
   template <class Fill>
   static void say(const char* event, const Fill& fill) {
-    JsonText json;
+    JsonWriter json;
     json.object([&] {
       json.put("event", event);
       fill(json);
@@ -221,7 +221,7 @@ class JsonListener : public WatchListener {
     flush();
   }
 
-  static void putDiagnoses(JsonText& json, const std::vector<Diagnosis>& diagnoses) {
+  static void putDiagnoses(JsonWriter& json, const std::vector<Diagnosis>& diagnoses) {
     json.array("diagnoses", [&] {
       for (const Diagnosis& diagnosis : diagnoses) {
         json.object([&] {
@@ -259,7 +259,7 @@ void runWatch(const WatchOptions& watch, const RenderOptions& render) {
   plan.chooseDevice = [&] { return chooseDeviceFor(render.device); };
   plan.throwIfInterrupted = throwIfInterrupted;
   plan.writePicture = writePicture;
-  plan.fetch = render.fetch;
+  plan.access = render.access;
   plan.dispatching = {.tile = render.tile, .workGroup = render.workGroup};
 
   const std::unique_ptr<WatchListener> listener = watch.json ? std::unique_ptr<WatchListener>(new JsonListener(plan))

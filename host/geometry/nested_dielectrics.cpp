@@ -77,7 +77,7 @@ bool holds(const Bounds& outer, const Bounds& inner) {
 struct Surface {
   uint32_t material;
   uint32_t firstId;  // least id of its primitives
-  uint32_t sphere = kNoSolid;
+  uint32_t sphere = kNoMedium;
   std::vector<uint32_t> triangles;
   double volume = 0;  // negative: it faces inward
   Bounds box;
@@ -227,7 +227,7 @@ std::vector<Surface> closedSurfaces(const Scene& scene) {
   return surfaces;
 }
 
-// ---- Solids ----
+// ---- NestedDielectrics ----
 
 struct Solid {
   std::vector<const Surface*> surfaces;  // the outer one, then those of its hollows
@@ -247,7 +247,7 @@ class BoxTree {
     if (!items_.empty()) build(0, uint32_t(items_.size()));
   }
 
-  // Visits the items whose boxes meet this one and whose owner is another (kNoSolid: whoever), until `visit` returns
+  // Visits the items whose boxes meet this one and whose owner is another (kNoMedium: whoever), until `visit` returns
   // true.
   template <class Visit>
   bool findMeeting(const Bounds& box, uint32_t owner, Visit&& visit) const {
@@ -263,7 +263,7 @@ class BoxTree {
   }
 
  private:
-  static constexpr uint32_t kSeveral = kNoSolid - 1;
+  static constexpr uint32_t kSeveral = kNoMedium - 1;
   struct Node {
     Bounds box;
     uint32_t first, count;
@@ -332,22 +332,22 @@ class BoxTree {
 
 // Solids and the hollows in them; a hollow in no solid of its material is none of anything.
 std::vector<Solid> solidsOf(const std::vector<Surface>& surfaces) {
-  std::vector<Solid> solids;
+  std::vector<Solid> dielectrics;
   std::vector<BoxTree::Item> items;
   for (const Surface& surface : surfaces) {
     if (surface.volume < 0) continue;
-    items.push_back({surface.box, uint32_t(solids.size()), 0, surface.volume});
-    solids.push_back({{&surface}});
+    items.push_back({surface.box, uint32_t(dielectrics.size()), 0, surface.volume});
+    dielectrics.push_back({{&surface}});
   }
   const BoxTree tree(std::move(items));
   for (const Surface& surface : surfaces) {
     if (surface.volume > 0) continue;
     const BoxTree::Item* const smallest = tree.smallestHolding(
         surface.box, -surface.volume,
-        [&](const BoxTree::Item& item) { return solids[item.owner].outer().material == surface.material; });
-    if (smallest) solids[smallest->owner].surfaces.push_back(&surface);
+        [&](const BoxTree::Item& item) { return dielectrics[item.owner].outer().material == surface.material; });
+    if (smallest) dielectrics[smallest->owner].surfaces.push_back(&surface);
   }
-  return solids;
+  return dielectrics;
 }
 
 // ---- Which of them meet ----
@@ -416,7 +416,7 @@ bool meet(const Scene& scene, const BoxTree::Item& a, const BoxTree::Item& b) {
 template <class Visit>
 void forPrimitives(const Scene& scene, const Solid& solid, Visit&& visit) {
   for (const Surface* surface : solid.surfaces) {
-    if (surface->sphere != kNoSolid) visit(surface->sphere, boundsOf(scene, scene.spheres[surface->sphere]));
+    if (surface->sphere != kNoMedium) visit(surface->sphere, boundsOf(scene, scene.spheres[surface->sphere]));
     for (const uint32_t i : surface->triangles)
       visit(uint32_t(scene.spheres.size()) + i, boundsOf(scene, scene.triangles[i]));
   }
@@ -425,19 +425,19 @@ void forPrimitives(const Scene& scene, const Solid& solid, Visit&& visit) {
 // Of each solid whether a wall of another meets one of its own, or the bounds of a mesh hold those of another solid. It
 // is enough that every solid looks for one partner and for one mesh around it: that one looks for what is around it,
 // too.
-void markMeeting(const Scene& scene, const std::vector<Solid>& solids, std::vector<bool>& marked) {
-  if (solids.size() < 2) return;
+void markMeeting(const Scene& scene, const std::vector<Solid>& dielectrics, std::vector<bool>& marked) {
+  if (dielectrics.size() < 2) return;
   std::vector<BoxTree::Item> walls, meshes;
-  for (uint32_t k = 0; k < solids.size(); ++k) {
-    const Surface& outer = solids[k].outer();
-    if (outer.sphere == kNoSolid) meshes.push_back({.box = outer.box, .owner = k, .index = 0, .volume = outer.volume});
-    forPrimitives(scene, solids[k],
+  for (uint32_t k = 0; k < dielectrics.size(); ++k) {
+    const Surface& outer = dielectrics[k].outer();
+    if (outer.sphere == kNoMedium) meshes.push_back({.box = outer.box, .owner = k, .index = 0, .volume = outer.volume});
+    forPrimitives(scene, dielectrics[k],
                   [&](uint32_t id, const Bounds& box) { walls.push_back({.box = box, .owner = k, .index = id}); });
   }
   const BoxTree tree(walls), meshTree(std::move(meshes));
-  for (uint32_t k = 0; k < solids.size(); ++k) {
-    const BoxTree::Item* const around =
-        meshTree.smallestHolding(solids[k].outer().box, 0, [&](const BoxTree::Item& mesh) { return mesh.owner != k; });
+  for (uint32_t k = 0; k < dielectrics.size(); ++k) {
+    const BoxTree::Item* const around = meshTree.smallestHolding(
+        dielectrics[k].outer().box, 0, [&](const BoxTree::Item& mesh) { return mesh.owner != k; });
     if (around) marked[k] = marked[around->owner] = true;
   }
   for (const BoxTree::Item& item : walls) {
@@ -490,18 +490,18 @@ bool coincide(const Scene& scene, const BoxTree::Item& a, const BoxTree::Item& b
 }
 
 // Of each solid whether something opaque lies in a face of its own.
-void markOnOpaque(const Scene& scene, const std::vector<Solid>& solids, std::vector<bool>& marked) {
+void markOnOpaque(const Scene& scene, const std::vector<Solid>& dielectrics, std::vector<bool>& marked) {
   std::vector<BoxTree::Item> walls;
-  for (uint32_t k = 0; k < solids.size(); ++k)
+  for (uint32_t k = 0; k < dielectrics.size(); ++k)
     if (!marked[k])
-      forPrimitives(scene, solids[k],
+      forPrimitives(scene, dielectrics[k],
                     [&](uint32_t id, const Bounds& box) { walls.push_back({.box = box, .owner = k, .index = id}); });
   if (walls.empty()) return;
   const BoxTree tree(std::move(walls));
   const auto look = [&](const auto& primitive, size_t id) {
     if (scene.materials[primitive.material].transmit > 0) return;
-    const BoxTree::Item item{.box = boundsOf(scene, primitive), .owner = kNoSolid, .index = uint32_t(id)};
-    tree.findMeeting(item.box, kNoSolid, [&](const BoxTree::Item& other) {
+    const BoxTree::Item item{.box = boundsOf(scene, primitive), .owner = kNoMedium, .index = uint32_t(id)};
+    tree.findMeeting(item.box, kNoMedium, [&](const BoxTree::Item& other) {
       if (!marked[other.owner] && coincide(scene, item, other)) marked[other.owner] = true;
       return false;
     });
@@ -514,7 +514,7 @@ void markOnOpaque(const Scene& scene, const std::vector<Solid>& solids, std::vec
 
 // How often a surface goes around a point: 1 or -1 inside, 0 outside.
 double windingNumber(const Scene& scene, const Surface& surface, const dvec3& p) {
-  if (surface.sphere != kNoSolid) {
+  if (surface.sphere != kNoMedium) {
     const Sphere& sphere = scene.spheres[surface.sphere];
     const long double radius = (long double)(sphere.radius) + sphere.radiusRest;
     const double sign = sphere.radius < 0 ? -1 : 1;
@@ -538,36 +538,36 @@ std::array<float, 11> valuesOf(const Material& m) {
   std::array<float, 11> values{};
   size_t i = 0;
   for (const double value : {m.diffuse.x, m.diffuse.y, m.diffuse.z, m.specular.x, m.specular.y, m.specular.z,
-                             m.shininess, m.reflect, m.transmit, m.ior, m.localWeight})
+                             m.shininess, m.reflect, m.transmit, m.eta, m.localWeight})
     values[i++] = float(value);
   return values;
 }
 
 }  // namespace
 
-Solids touchingSolids(const Scene& scene) {
+NestedDielectrics findNestedDielectrics(const Scene& scene) {
   const std::vector<Surface> surfaces = closedSurfaces(scene);
-  const std::vector<Solid> solids = solidsOf(surfaces);
-  std::vector<bool> marked(solids.size());
-  markMeeting(scene, solids, marked);
-  markOnOpaque(scene, solids, marked);
+  const std::vector<Solid> dielectrics = solidsOf(surfaces);
+  std::vector<bool> marked(dielectrics.size());
+  markMeeting(scene, dielectrics, marked);
+  markOnOpaque(scene, dielectrics, marked);
   std::vector<uint32_t> order;
-  for (uint32_t k = 0; k < solids.size(); ++k)
+  for (uint32_t k = 0; k < dielectrics.size(); ++k)
     if (marked[k]) order.push_back(k);
-  Solids result;
+  NestedDielectrics result;
   if (order.empty()) return result;
 
   // Volumes that differ by rounding are the same: the exact and the rounded scene are to agree.
-  const auto volumeClass = [&](uint32_t k) { return std::lround(1024 * std::log2(solids[k].outer().volume)); };
+  const auto volumeClass = [&](uint32_t k) { return std::lround(1024 * std::log2(dielectrics[k].outer().volume)); };
   std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
     const long va = volumeClass(a), vb = volumeClass(b);
-    return va != vb ? va > vb : solids[a].outer().firstId < solids[b].outer().firstId;
+    return va != vb ? va > vb : dielectrics[a].outer().firstId < dielectrics[b].outer().firstId;
   });
-  result.ofSpheres.assign(scene.spheres.size(), kNoSolid);
-  result.ofTriangles.assign(scene.triangles.size(), kNoSolid);
+  result.ofSpheres.assign(scene.spheres.size(), kNoMedium);
+  result.ofTriangles.assign(scene.triangles.size(), kNoMedium);
   std::map<std::array<float, 11>, uint32_t> glasses;
   for (uint32_t rank = 0; rank < order.size(); ++rank) {
-    const Solid& solid = solids[order[rank]];
+    const Solid& solid = dielectrics[order[rank]];
     result.materials.push_back(solid.outer().material);
     result.glasses.push_back(
         glasses.try_emplace(valuesOf(scene.materials[solid.outer().material]), uint32_t(glasses.size())).first->second);

@@ -12,16 +12,16 @@ namespace turner {
 // A solid is a sphere that transmits light, or triangles of one such material that enclose a volume: every edge of
 // theirs is met as often in one direction as in the other. Spheres and surfaces that face inward are the walls of
 // hollows in the smallest solid of their material whose bounds hold theirs.
-inline constexpr uint32_t kNoSolid = UINT32_MAX;
+inline constexpr uint32_t kNoMedium = UINT32_MAX;
 
-struct Solids {
+struct NestedDielectrics {
   // The material of each solid whose bounds or walls meet those of another, or that something opaque lies on so that
   // only rounding separates them. In order of priority: where two overlap, the later one is seen. It is the smaller one
   // by the volume within its outer surface; of equal ones that with the later primitives.
   std::vector<uint32_t> materials;
   // Of each solid a number that it shares with those of the same glass, whose materials are equal but for their names.
   std::vector<uint32_t> glasses;
-  // Of each sphere and of each triangle the index in `materials`, or kNoSolid; empty where there are no such solids.
+  // Of each sphere and of each triangle the index in `materials`, or kNoMedium; empty where there are no such solids.
   std::vector<uint32_t> ofSpheres, ofTriangles;
   // Those that the camera's eye is in, ascending.
   std::vector<uint32_t> aroundEye;
@@ -30,7 +30,7 @@ struct Solids {
 };
 
 // `scene` is the exact one, or the result of roundScene.
-Solids touchingSolids(const Scene& scene);
+NestedDielectrics findNestedDielectrics(const Scene& scene);
 
 // Whether any material transmits light.
 bool hasGlass(const Scene& scene);

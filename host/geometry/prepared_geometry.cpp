@@ -101,18 +101,18 @@ std::vector<TrianglePair> pairPiece(Scene& scene, size_t begin, size_t end) {
 }
 
 // No pair reaches over two solids then. The front of their triangles is that of the winding.
-void giveSolidsMaterials(Shapes& shapes) {
-  Scene& scene = shapes.scene;
-  shapes.solids = touchingSolids(scene);
-  shapes.firstSolid = uint32_t(scene.materials.size());
-  for (const uint32_t material : shapes.solids.materials) scene.materials.push_back(scene.materials[material]);
-  for (size_t i = 0; i < shapes.solids.ofSpheres.size(); ++i)
-    if (const uint32_t solid = shapes.solids.ofSpheres[i]; solid != kNoSolid)
-      scene.spheres[i].material = shapes.firstSolid + solid;
-  for (size_t i = 0; i < shapes.solids.ofTriangles.size(); ++i)
-    if (const uint32_t solid = shapes.solids.ofTriangles[i]; solid != kNoSolid) {
+void giveMediaMaterials(PreparedGeometry& prepared) {
+  Scene& scene = prepared.scene;
+  prepared.dielectrics = findNestedDielectrics(scene);
+  prepared.firstMedium = uint32_t(scene.materials.size());
+  for (const uint32_t material : prepared.dielectrics.materials) scene.materials.push_back(scene.materials[material]);
+  for (size_t i = 0; i < prepared.dielectrics.ofSpheres.size(); ++i)
+    if (const uint32_t solid = prepared.dielectrics.ofSpheres[i]; solid != kNoMedium)
+      scene.spheres[i].material = prepared.firstMedium + solid;
+  for (size_t i = 0; i < prepared.dielectrics.ofTriangles.size(); ++i)
+    if (const uint32_t solid = prepared.dielectrics.ofTriangles[i]; solid != kNoMedium) {
       Triangle& triangle = scene.triangles[i];
-      triangle.material = shapes.firstSolid + solid;
+      triangle.material = prepared.firstMedium + solid;
       if (facing(scene, triangle) > 0) continue;
       std::swap(triangle.vertices[1], triangle.vertices[2]);
       std::swap(scene.normals[triangle.normals][1], scene.normals[triangle.normals][2]);
@@ -127,7 +127,7 @@ std::vector<TrianglePair> pairTriangles(Scene& scene) {
   std::vector<TrianglePair> pairs;
   size_t total = 0;
   for (const auto& piece : pieces) total += piece.size();
-  makeRoom(pairs, total);
+  reservePrefaulted(pairs, total);
   for (const auto& piece : pieces) pairs.insert(pairs.end(), piece.begin(), piece.end());
   return pairs;
 }
@@ -162,7 +162,7 @@ std::vector<Box> paddedBoxes(const Scene& scene, std::span<const TrianglePair> p
   // five. Eight roundings of each cover both, and the ray that the list of a light is made for instead of the rounded
   // one.
   std::vector<Box> boxes;
-  makeRoom(boxes, count);
+  reservePrefaulted(boxes, count);
   boxes.resize(count);
   forAll(count, [&](size_t i) {
     const auto [lo, hi] = bounds(i);
@@ -174,13 +174,13 @@ std::vector<Box> paddedBoxes(const Scene& scene, std::span<const TrianglePair> p
 
 }  // namespace
 
-Shapes shapesOf(Scene local) {
-  Shapes shapes;
-  shapes.scene = std::move(local);
-  giveSolidsMaterials(shapes);
-  shapes.pairs = pairTriangles(shapes.scene);
-  shapes.boxes = paddedBoxes(shapes.scene, shapes.pairs);
-  return shapes;
+PreparedGeometry prepareGeometry(Scene local) {
+  PreparedGeometry prepared;
+  prepared.scene = std::move(local);
+  giveMediaMaterials(prepared);
+  prepared.pairs = pairTriangles(prepared.scene);
+  prepared.boxes = paddedBoxes(prepared.scene, prepared.pairs);
+  return prepared;
 }
 
 }  // namespace turner

@@ -21,13 +21,13 @@ struct TrianglePair {
   bool isAlone() const { return second == kNone; }
 };
 
-struct Shapes {
+struct PreparedGeometry {
   // From roundScene. The vertices of the triangles of a pair, and their normals, are turned so that the shared edge
   // lies between the second and the third vertex of both, in opposite directions. Behind the materials stands one for
   // each of `solids`, which its primitives have instead of the scene's.
   Scene scene;
-  Solids solids;                    // that overlap or touch
-  uint32_t firstSolid = 0;          // material of the first
+  NestedDielectrics dielectrics;    // that overlap or touch
+  uint32_t firstMedium = 0;         // material of the first
   std::vector<TrianglePair> pairs;  // every triangle is in one; in the order of their first ones
   // Of each sphere, then of each pair; padded outward, so that a ray which hits a primitive by the kernel's arithmetic
   // enters its box by the kernel's arithmetic.
@@ -37,6 +37,6 @@ struct Shapes {
 };
 
 // `local` comes from roundScene. Pairs depend on the order of the triangles only. Works on all cores.
-Shapes shapesOf(Scene local);
+PreparedGeometry prepareGeometry(Scene local);
 
 }  // namespace turner

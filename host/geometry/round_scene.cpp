@@ -86,7 +86,7 @@ Scene roundScene(Scene scene) {
     material.diffuse = rounded(material.diffuse);
     material.specular = rounded(material.specular);
     for (double* value :
-         {&material.shininess, &material.reflect, &material.transmit, &material.ior, &material.localWeight})
+         {&material.shininess, &material.reflect, &material.transmit, &material.eta, &material.localWeight})
       *value = rounded(*value);
   }
   forAll(local.spheres.size(), [&](size_t i) { local.spheres[i] = rounded(local.spheres[i], frame); });

@@ -67,14 +67,13 @@ Row planeRow(const Triangle& triangle) {
   return plane ? row(plane->normal, plane->offset) : Row{};
 }
 
-gpu::Sphere packSphere(const Sphere& sphere, uint precedence) {
-  return {row(sphere.center, sphere.radius),
-          {std::bit_cast<float>(precedence), std::bit_cast<float>(sphere.material), 0, 0}};
+gpu::Sphere packSphere(const Sphere& sphere, uint rank) {
+  return {row(sphere.center, sphere.radius), {std::bit_cast<float>(rank), std::bit_cast<float>(sphere.material), 0, 0}};
 }
 
 // The same of one that the eye is near; its NearSphere is at this row among the materials.
-gpu::Sphere packNearSphere(const Sphere& sphere, uint precedence, uint restRow) {
-  gpu::Sphere packed = packSphere(sphere, precedence);
+gpu::Sphere packNearSphere(const Sphere& sphere, uint rank, uint restRow) {
+  gpu::Sphere packed = packSphere(sphere, rank);
   packed.tags.y = std::bit_cast<float>(sphere.material | gpu::kNearEye);
   packed.tags.z = std::bit_cast<float>(restRow);
   packed.tags.w = std::bit_cast<uint>(float(eyePower(sphere)));
@@ -87,19 +86,19 @@ gpu::NearSphere nearSphereOf(const Sphere& sphere) {
 }
 
 // `normals`: where its vertex normals stand in the packed scene. `precedence`: of the triangles.
-gpu::TrianglePair packPair(const Shapes& shapes, const TrianglePair& pair, uint normals,
-                           std::span<const uint> precedence) {
-  const std::vector<Triangle>& triangles = shapes.scene.triangles;
+gpu::TrianglePair packPair(const PreparedGeometry& prepared, const TrianglePair& pair, uint normals,
+                           std::span<const uint> rank) {
+  const std::vector<Triangle>& triangles = prepared.scene.triangles;
   const Triangle& first = triangles[pair.first];
   const auto& [a, b, c] = first.vertices;
-  gpu::TrianglePair packed{row(a, precedence[pair.first]),
+  gpu::TrianglePair packed{row(a, rank[pair.first]),
                            row(b, first.material),
                            row(c, first.normals == kNoNormals ? gpu::kRefNone : normals),
                            row(b, gpu::kRefNone),
                            {planeRow(first), {}}};
   if (!pair.isAlone()) {
     const Triangle& second = triangles[pair.second];
-    packed.v3 = row(second.vertices[0], precedence[pair.second]);
+    packed.v3 = row(second.vertices[0], rank[pair.second]);
     packed.normals[1] = planeRow(second);
   }
   return packed;
@@ -144,8 +143,8 @@ gpu::Node packNode(const Bvh::Node& node, std::span<const uint> references) {
     tags = 1;
   }
   if (second.count > 0) {
-    const uint place = references[second.first];
-    tags = 3 | (second.count - 1) << 2 | (place & gpu::kRefTriangle ? 1u << 4 : 0u);
+    const uint reference = references[second.first];
+    tags = 3 | (second.count - 1) << 2 | (reference & gpu::kRefTriangle ? 1u << 4 : 0u);
   }
   return {
       {float(lo.x), float(lo.y), float(lo.z), exponents | tags << 24},
@@ -212,36 +211,36 @@ Features featuresOf(const Scene& scene) {
 }
 
 // Two of them in each word.
-Row solidsAroundEye(const Shapes& shapes) {
-  const std::vector<uint32_t>& solids = shapes.solids.aroundEye;
-  if (solids.size() > gpu::kMaxSolids)
-    throw InputError("the camera's eye is in " + std::to_string(solids.size()) +
-                     " solids of glass that overlap; a ray can be in " + std::to_string(gpu::kMaxSolids) +
+Row mediaAroundEye(const PreparedGeometry& prepared) {
+  const std::vector<uint32_t>& media = prepared.dielectrics.aroundEye;
+  if (media.size() > gpu::kMaxMedia)
+    throw InputError("the camera's eye is in " + std::to_string(media.size()) +
+                     " solids of glass that overlap; a ray can be in " + std::to_string(gpu::kMaxMedia) +
                      "; use --backend reference");
   std::array<uint, 4> words{};
-  for (size_t i = 0; i < solids.size(); ++i) words[i % 4] |= (shapes.firstSolid + solids[i]) << (i < 4 ? 0 : 16);
+  for (size_t i = 0; i < media.size(); ++i) words[i % 4] |= (prepared.firstMedium + media[i]) << (i < 4 ? 0 : 16);
   return std::bit_cast<Row>(words);
 }
 
 }  // namespace
 
-std::vector<uint> precedences(const Shapes& shapes) {
-  const Scene& scene = shapes.scene;
+std::vector<uint> tieBreakRanks(const PreparedGeometry& prepared) {
+  const Scene& scene = prepared.scene;
   const size_t spheres = scene.spheres.size(), count = spheres + scene.triangles.size();
   std::vector<uint> result;
-  makeRoom(result, count);
+  reservePrefaulted(result, count);
   result.resize(count);
   // 0: opaque; 1: glass; 2 and more: a solid, less where its priority is higher.
   const auto groupOf = [&](size_t id) {
     const uint material = id < spheres ? scene.spheres[id].material : scene.triangles[id - spheres].material;
-    if (material >= shapes.firstSolid) return uint(scene.materials.size()) + 1 - material;
+    if (material >= prepared.firstMedium) return uint(scene.materials.size()) + 1 - material;
     return scene.materials[material].transmit > 0 ? 1u : 0u;
   };
   if (!hasGlass(scene)) {
     std::iota(result.begin(), result.end(), 0u);
     return result;
   }
-  std::vector<uint> groups(count), starts(scene.materials.size() - shapes.firstSolid + 3);
+  std::vector<uint> groups(count), starts(scene.materials.size() - prepared.firstMedium + 3);
   forAll(count, [&](size_t id) { groups[id] = groupOf(id); });
   for (const uint group : groups) ++starts[group + 1];
   std::partial_sum(starts.begin(), starts.end(), starts.begin());
@@ -250,14 +249,15 @@ std::vector<uint> precedences(const Shapes& shapes) {
 }
 
 size_t PackedScene::bytes() const {
-  return nodes.size() * sizeof(gpu::Node) + (primitives.size() + cubes.size()) * sizeof(gpu::Row) +
+  return nodes.size() * sizeof(gpu::Node) + (primitives.size() + lightBuffers.size()) * sizeof(gpu::Row) +
          vertexNormals.size() * sizeof(gpu::VertexNormals);
 }
 
-PackedScene packScene(const Shapes& shapes, const Bvh& bvh, const RenderSettings& settings, Cubes cubes) {
-  const Scene& local = shapes.scene;
+PackedScene packScene(const PreparedGeometry& prepared, const Bvh& bvh, const RenderSettings& settings,
+                      TraversalStart start) {
+  const Scene& local = prepared.scene;
   const size_t sphereCount = local.spheres.size();
-  if (gpu::kSphereUnits * sphereCount + gpu::kPairUnits * shapes.pairs.size() > gpu::kMaxUnits)
+  if (gpu::kSphereUnits * sphereCount + gpu::kPairUnits * prepared.pairs.size() > gpu::kMaxUnits)
     throw InputError("the scene has more spheres and triangles than the kernel can number: " +
                      std::to_string(sphereCount + local.triangles.size()) + "; it takes " +
                      std::to_string(gpu::kMaxUnits / gpu::kSphereUnits) + " spheres or " +
@@ -266,18 +266,18 @@ PackedScene packScene(const Shapes& shapes, const Bvh& bvh, const RenderSettings
   if (bvh.depth > int(gpu::kMaxTreeDepth))
     throw RunError("the tree is " + std::to_string(bvh.depth) + " nodes deep, more than the kernel's stack holds");
 
-  if (!shapes.solids.empty() && local.materials.size() > gpu::kMaxMaterials)
-    throw InputError("the scene has " + std::to_string(shapes.firstSolid) + " materials and " +
-                     std::to_string(shapes.solids.materials.size()) +
+  if (!prepared.dielectrics.empty() && local.materials.size() > gpu::kMaxMaterials)
+    throw InputError("the scene has " + std::to_string(prepared.firstMedium) + " materials and " +
+                     std::to_string(prepared.dielectrics.materials.size()) +
                      " solids of glass that overlap or touch; the kernel can number " +
                      std::to_string(gpu::kMaxMaterials) + " of both; use --backend reference");
 
   PackedScene packed;
   packed.features = featuresOf(local);
-  packed.features.solids = !shapes.solids.empty();
+  packed.features.dielectrics = !prepared.dielectrics.empty();
   packed.view = {.camera = local.camera,
                  .background = local.background,
-                 .solids = solidsAroundEye(shapes),
+                 .media = mediaAroundEye(prepared),
                  .width = settings.width,
                  .height = settings.height,
                  .crop = settings.crop};
@@ -286,19 +286,19 @@ PackedScene packScene(const Shapes& shapes, const Bvh& bvh, const RenderSettings
 
   // Kind and place of each shape, and the place of its vertex normals, in the order of the leaves.
   std::vector<uint> references, normals;
-  makeRoom(references, bvh.order.size());
-  makeRoom(normals, bvh.order.size());
-  uint place = 0, normalsPlace = 0;
-  for (const uint shape : bvh.order) {
-    const bool isPair = shape >= sphereCount;
-    references.push_back((isPair ? gpu::kRefTriangle : 0) | place);
-    normals.push_back(normalsPlace);
-    place += isPair ? gpu::kPairUnits : gpu::kSphereUnits;
+  reservePrefaulted(references, bvh.order.size());
+  reservePrefaulted(normals, bvh.order.size());
+  uint offset = 0, normalsOffset = 0;
+  for (const uint primitive : bvh.order) {
+    const bool isPair = primitive >= sphereCount;
+    references.push_back((isPair ? gpu::kRefTriangle : 0) | offset);
+    normals.push_back(normalsOffset);
+    offset += isPair ? gpu::kPairUnits : gpu::kSphereUnits;
     if (!isPair) continue;
-    const TrianglePair& pair = shapes.pairs[shape - sphereCount];
-    if (local.triangles[pair.first].normals != kNoNormals) normalsPlace += pair.isAlone() ? 1 : 2;
+    const TrianglePair& pair = prepared.pairs[primitive - sphereCount];
+    if (local.triangles[pair.first].normals != kNoNormals) normalsOffset += pair.isAlone() ? 1 : 2;
   }
-  const std::vector<uint> precedence = precedences(shapes);
+  const std::vector<uint> rank = tieBreakRanks(prepared);
   std::vector<uint> nearSpheres;
   for (uint i = 0; i < sphereCount; ++i) {
     if (isNearEye(local.spheres[i])) nearSpheres.push_back(i);
@@ -307,25 +307,25 @@ PackedScene packScene(const Shapes& shapes, const Bvh& bvh, const RenderSettings
   packed.features.nearSpheres = !nearSpheres.empty();
   const uint nearSphereRow = gpu::kMaterialRows * uint(local.materials.size());
   // The kernel may look for all of a pair behind a last sphere.
-  makeRoom(packed.primitives, gpu::kUnitRows * (place + gpu::kPairUnits));
-  packed.primitives.resize(gpu::kUnitRows * (place + gpu::kPairUnits));
-  makeRoom(packed.vertexNormals, normalsPlace);
-  packed.vertexNormals.resize(normalsPlace);
+  reservePrefaulted(packed.primitives, gpu::kUnitRows * (offset + gpu::kPairUnits));
+  packed.primitives.resize(gpu::kUnitRows * (offset + gpu::kPairUnits));
+  reservePrefaulted(packed.vertexNormals, normalsOffset);
+  packed.vertexNormals.resize(normalsOffset);
   forAll(bvh.order.size(), [&](size_t i) {
-    const uint shape = bvh.order[i];
-    Row* const rows = &packed.primitives[gpu::kUnitRows * (references[i] & gpu::kRefPlaceMask)];
-    if (shape < sphereCount) {
-      const Sphere& sphere = local.spheres[shape];
-      const auto near = std::lower_bound(nearSpheres.begin(), nearSpheres.end(), shape);
+    const uint primitive = bvh.order[i];
+    Row* const rows = &packed.primitives[gpu::kUnitRows * (references[i] & gpu::kRefOffsetMask)];
+    if (primitive < sphereCount) {
+      const Sphere& sphere = local.spheres[primitive];
+      const auto near = std::lower_bound(nearSpheres.begin(), nearSpheres.end(), primitive);
       const gpu::Sphere packedSphere =
-          near == nearSpheres.end() || *near != shape
-              ? packSphere(sphere, precedence[shape])
-              : packNearSphere(sphere, precedence[shape], nearSphereRow + uint(near - nearSpheres.begin()));
+          near == nearSpheres.end() || *near != primitive
+              ? packSphere(sphere, rank[primitive])
+              : packNearSphere(sphere, rank[primitive], nearSphereRow + uint(near - nearSpheres.begin()));
       std::memcpy(rows, &packedSphere, sizeof packedSphere);
       return;
     }
-    const TrianglePair& pair = shapes.pairs[shape - sphereCount];
-    const gpu::TrianglePair packedPair = packPair(shapes, pair, normals[i], std::span(precedence).subspan(sphereCount));
+    const TrianglePair& pair = prepared.pairs[primitive - sphereCount];
+    const gpu::TrianglePair packedPair = packPair(prepared, pair, normals[i], std::span(rank).subspan(sphereCount));
     std::memcpy(rows, &packedPair, sizeof packedPair);
     if (local.triangles[pair.first].normals == kNoNormals) return;
     const auto putNormals = [&](size_t to, uint triangle) {
@@ -336,16 +336,16 @@ PackedScene packScene(const Shapes& shapes, const Bvh& bvh, const RenderSettings
     if (!pair.isAlone()) putNormals(normals[i] + 1, pair.second);
   });
 
-  makeRoom(packed.nodes, bvh.nodes.size());
+  reservePrefaulted(packed.nodes, bvh.nodes.size());
   packed.nodes.resize(bvh.nodes.size());
   forAll(bvh.nodes.size(), [&](size_t i) { packed.nodes[i] = packNode(bvh.nodes[i], references); });
   if (!bvh.order.empty()) packed.view.root = bvh.root.count > 0 ? leafReference(bvh.root, references) : bvh.root.first;
 
   for (uint i = 0; i < local.materials.size(); ++i) {
     const Material& material = local.materials[i];
-    const uint glass = i < shapes.firstSolid ? 0 : 1 + shapes.solids.glasses[i - shapes.firstSolid];
+    const uint glass = i < prepared.firstMedium ? 0 : 1 + prepared.dielectrics.glasses[i - prepared.firstMedium];
     for (const Row& part : {row(material.diffuse, material.reflect), row(material.specular, material.transmit),
-                            row({material.shininess, material.ior, material.localWeight}, glass)})
+                            row({material.shininess, material.eta, material.localWeight}, glass)})
       packed.materials.push_back(part);
   }
   for (const uint i : nearSpheres) packed.materials.push_back(nearSphereOf(local.spheres[i]).centerRest);
@@ -355,19 +355,22 @@ PackedScene packScene(const Shapes& shapes, const Bvh& bvh, const RenderSettings
   // Eye rays share their walk with reflected and refracted ones, which begin at the root.
   const size_t eyeRays = settings.crop.area() * size_t(settings.samples) * size_t(settings.samples);
   const bool secondary = packed.features.reflection || packed.features.refraction;
-  std::vector<CubePoint> points = {{.position = {0, 0, 0},
-                                    .windows = viewWindows(local.camera, settings),
-                                    .rays = eyeRays,
-                                    .kernelWalk = 0,
-                                    .walkMeetsNodes = secondary || cubes == Cubes::mixedLists}};
+  std::vector<LightBufferPoint> points = {{.position = {0, 0, 0},
+                                           .windows = viewWindows(local.camera, settings),
+                                           .rays = eyeRays,
+                                           .kernelTraversal = 0,
+                                           .traversalVisitsNodes = secondary || start == TraversalStart::mixedLists}};
   for (const Light& light : local.lights)
-    points.push_back(
-        {.position = light.position, .rays = eyeRays, .kernelWalk = 1, .walkMeetsNodes = cubes == Cubes::mixedLists});
-  const CubeTree tree{shapes, bvh, references};
-  DirectionCubes built = cubes == Cubes::wholeTree ? wholeTreeCubes(points, tree) : buildDirectionCubes(points, tree);
-  packed.cubes = std::move(built.rows);
-  packed.features.nearestNodes = built.meetsNodes[0];
-  packed.features.shadowNodes = !local.lights.empty() && built.meetsNodes[1];
+    points.push_back({.position = light.position,
+                      .rays = eyeRays,
+                      .kernelTraversal = 1,
+                      .traversalVisitsNodes = start == TraversalStart::mixedLists});
+  const LightBufferTree tree{prepared, bvh, references};
+  LightBuffers built =
+      start == TraversalStart::wholeTree ? wholeTreeLightBuffers(points, tree) : buildLightBuffers(points, tree);
+  packed.lightBuffers = std::move(built.rows);
+  packed.features.nearestNodes = built.visitsNodes[0];
+  packed.features.shadowNodes = !local.lights.empty() && built.visitsNodes[1];
   return packed;
 }
 
@@ -383,7 +386,7 @@ gpu::Frame packFrame(const View& view, const RenderSettings& settings, uint32_t 
   frame.rightLo = rowRest(perRight, settings.seed);
   frame.downHi = row(perDown, settings.weightLimit());
   frame.downLo = rowRest(perDown, deviceThreads);
-  frame.solids = view.solids;
+  frame.media = view.media;
   frame.background = row(view.background, gpu::kCanaryLength);
   return frame;
 }

@@ -20,7 +20,7 @@ struct Features {
   bool reflection = false, refraction = false, falloff = false;
   bool nearSpheres = false;                        // a sphere whose surface the eye is near, compared with its radius
   bool farSpheres = false;                         // a sphere many radii away from the eye
-  bool solids = false;                             // solids of glass that overlap or touch
+  bool dielectrics = false;                        // solids of glass that overlap or touch
   bool nearestNodes = false, shadowNodes = false;  // whether walks meet nodes, or primitives alone
 };
 
@@ -28,7 +28,7 @@ struct Features {
 struct View {
   Camera camera;  // in the local frame, its eye the origin
   glm::dvec3 background{0};
-  gpu::Row solids{};               // that the eye is in
+  gpu::Row media{};                // that the eye is in
   gpu::uint root = gpu::kRefNone;  // of the tree
   // The picture that the eye's lists are made for: a picture of this size, and pixels of this part of it.
   int width = 0, height = 0;
@@ -41,7 +41,7 @@ struct PackedScene {
   std::vector<gpu::VertexNormals> vertexNormals;
   std::vector<gpu::Row> materials;  // gpu::Material, then gpu::NearSphere
   std::vector<gpu::Light> lights;
-  std::vector<gpu::Row> cubes;  // of the eye and of each light
+  std::vector<gpu::Row> lightBuffers;  // of the eye and of each light
   View view;
   Features features;
   int treeDepth = 0;
@@ -51,18 +51,19 @@ struct PackedScene {
 
 // How rays through the eye and the lights begin: along lists that are made for them, or at the root as all others do.
 // Mixed lists are for a kernel that can visit nodes in every walk, whether the scene needs it or not.
-enum class Cubes { lists, mixedLists, wholeTree };
+enum class TraversalStart { lists, mixedLists, wholeTree };
 
 // The place of each sphere and then of each triangle in the order in which they are hit where a ray meets several at
 // one distance: what is opaque, then glass that is no overlapping solid, then those of highest priority first; each by
 // ids.
-std::vector<gpu::uint> precedences(const Shapes& shapes);
+std::vector<gpu::uint> tieBreakRanks(const PreparedGeometry& prepared);
 
 // `bvh` is built over the geometry's boxes. The settings tell how many rays will come through the
 // eye, and where; they do not change the picture. Throws InputError if there are more primitives than a reference can
 // name, or more overlapping solids than the kernel can number, or more of them around the eye than a ray can be in;
 // RunError if the tree is deeper than the kernel's stack.
-PackedScene packScene(const Shapes& shapes, const Bvh& bvh, const RenderSettings& settings, Cubes cubes = Cubes::lists);
+PackedScene packScene(const PreparedGeometry& prepared, const Bvh& bvh, const RenderSettings& settings,
+                      TraversalStart start = TraversalStart::lists);
 
 // What the kernel needs of the view and the settings.
 gpu::Frame packFrame(const View& view, const RenderSettings& settings, uint32_t deviceThreads);

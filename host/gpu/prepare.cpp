@@ -11,8 +11,8 @@ namespace turner {
 PackedScene prepareScene(Scene scene, const RenderSettings& settings) {
   Scene local = roundScene(std::move(scene));
   checkReach(local);
-  const Shapes shapes = shapesOf(std::move(local));
-  return packScene(shapes, buildBvh(shapes.boxes, shapes.firstPair()), settings);
+  const PreparedGeometry prepared = prepareGeometry(std::move(local));
+  return packScene(prepared, buildBvh(prepared.boxes, prepared.firstPair()), settings);
 }
 
 }  // namespace turner

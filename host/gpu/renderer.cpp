@@ -63,14 +63,14 @@ struct Pipeline {
 
 static_assert(gpu::kBindCount - gpu::kBindNodes == kRowArrays && sizeof(gpu::Row) == kRowBytes);
 
-vk::DescriptorType bindingType(uint binding, Fetch fetch) {
-  return bindsTexels(binding, fetch) ? vk::DescriptorType::eStorageTexelBuffer : vk::DescriptorType::eStorageBuffer;
+vk::DescriptorType bindingType(uint binding, BufferAccess access) {
+  return bindsTexels(binding, access) ? vk::DescriptorType::eStorageTexelBuffer : vk::DescriptorType::eStorageBuffer;
 }
 
-vk::raii::DescriptorSetLayout makeSetLayout(const Device& device, Fetch fetch) {
+vk::raii::DescriptorSetLayout makeSetLayout(const Device& device, BufferAccess access) {
   std::vector<vk::DescriptorSetLayoutBinding> bindings;
-  for (uint i = 0; i < bindingCount(fetch); ++i)
-    bindings.push_back({i, bindingType(i, fetch), 1, vk::ShaderStageFlagBits::eCompute});
+  for (uint i = 0; i < bindingCount(access); ++i)
+    bindings.push_back({i, bindingType(i, access), 1, vk::ShaderStageFlagBits::eCompute});
   return {device.vulkan(), vk::DescriptorSetLayoutCreateInfo({}, bindings)};
 }
 
@@ -114,17 +114,17 @@ Constants specialise(const Features& features, const RenderSettings& settings, u
   constants[gpu::kSpecFresh] = fresh;
   constants[gpu::kSpecNearSpheres] = features.nearSpheres;
   constants[gpu::kSpecFarSpheres] = features.farSpheres;
-  constants[gpu::kSpecSolids] = features.solids;
+  constants[gpu::kSpecNestedDielectrics] = features.dielectrics;
   return constants;
 }
 
-Pipeline makePipeline(const Device& device, const Spirv& kernel, const Constants& constants, Fetch fetch) {
+Pipeline makePipeline(const Device& device, const Spirv& kernel, const Constants& constants, BufferAccess access) {
   std::array<vk::SpecializationMapEntry, gpu::kSpecCount> entries;
   for (uint i = 0; i < entries.size(); ++i)
     entries[i] = vk::SpecializationMapEntry(i, uint(i * sizeof(uint)), sizeof(uint));
   const vk::SpecializationInfo specialization(uint(entries.size()), entries.data(), sizeof constants, constants.data());
 
-  Pipeline result{kernel.words, constants, makeSetLayout(device, fetch), nullptr, nullptr};
+  Pipeline result{kernel.words, constants, makeSetLayout(device, access), nullptr, nullptr};
   const vk::PushConstantRange tile(vk::ShaderStageFlagBits::eCompute, 0, sizeof(gpu::Tile));
   result.layout = {device.vulkan(), vk::PipelineLayoutCreateInfo({}, *result.setLayout, tile)};
   const vk::raii::ShaderModule module(device.vulkan(), vk::ShaderModuleCreateInfo({}, kernel.words));
@@ -175,19 +175,19 @@ Progress tileProgress(const Progress& progress, size_t pixelsBefore, size_t pixe
 }  // namespace
 
 // The way of fetching that suits a device.
-Fetch chooseFetch(const Device& device, Fetch wanted) {
-  if (wanted == Fetch::automatic)
-    return device.isCpu() && device.canFetch(Fetch::texels)       ? Fetch::texels
-           : !device.isCpu() && device.canFetch(Fetch::addresses) ? Fetch::addresses
-                                                                  : Fetch::buffers;
-  if (!device.canFetch(wanted))
-    throw InputError("the device " + device.info().name + " cannot fetch rows as " + fetchName(wanted));
+BufferAccess chooseAccess(const Device& device, BufferAccess wanted) {
+  if (wanted == BufferAccess::automatic)
+    return device.isCpu() && device.canAccess(BufferAccess::texelBuffer)      ? BufferAccess::texelBuffer
+           : !device.isCpu() && device.canAccess(BufferAccess::deviceAddress) ? BufferAccess::deviceAddress
+                                                                              : BufferAccess::storageBuffer;
+  if (!device.canAccess(wanted))
+    throw InputError("the device " + device.info().name + " cannot fetch rows as " + accessName(wanted));
   return wanted;
 }
 
 struct ShaderRenderer::Parts {
   Device device;
-  Fetch fetch;
+  BufferAccess access;
   Features features;
   View view;
   std::array<Buffer, kRowArrays> rows;                   // from gpu::kBindNodes on
@@ -195,9 +195,9 @@ struct ShaderRenderer::Parts {
   // Work-groups in one dispatch: follows the measured times, from one tile to the next.
   uint groupsPerDispatch = 64;
 
-  Parts(const DeviceInfo& info, Fetch wanted) : device(info), fetch(chooseFetch(device, wanted)) {
+  Parts(const DeviceInfo& info, BufferAccess wanted) : device(info), access(chooseAccess(device, wanted)) {
     const uint bindings = device.limits().maxPerStageDescriptorStorageBuffers;
-    const uint needed = fetch == Fetch::buffers ? gpu::kBindCount : gpu::kBindNodes;
+    const uint needed = access == BufferAccess::storageBuffer ? gpu::kBindCount : gpu::kBindNodes;
     if (bindings < needed)
       throw RunError("the device " + info.name + " binds " + std::to_string(bindings) +
                      " storage buffers; turner needs " + std::to_string(needed));
@@ -225,7 +225,7 @@ std::shared_ptr<const Pipeline> ShaderRenderer::Parts::pipeline(const Spirv& ker
   if (found != pipelines.end())
     pipelines.splice(pipelines.begin(), pipelines, found);
   else
-    pipelines.push_front(std::make_shared<const Pipeline>(makePipeline(device, kernel, constants, fetch)));
+    pipelines.push_front(std::make_shared<const Pipeline>(makePipeline(device, kernel, constants, access)));
   if (pipelines.size() > kKeptPipelines) pipelines.pop_back();
   return pipelines.front();
 }
@@ -269,9 +269,9 @@ int ShaderRenderer::Parts::tileSide(const Dispatching& dispatching, int depth) c
   // A CPU wants its working set small; a GPU wants more invocations than it has lanes (17,000 on a large one).
   int side = dispatching.tile > 0 ? (dispatching.tile + 7) / 8 * 8 : device.isCpu() ? 128 : 512;
   const vk::DeviceSize most = std::min<vk::DeviceSize>(kStateBytes, device.limits().maxStorageBufferRange);
-  while (side > 8 &&
-         vk::DeviceSize(side) * vk::DeviceSize(side) * gpu::stateRows(uint(depth), features.solids) * sizeof(gpu::Row) >
-             most)
+  while (side > 8 && vk::DeviceSize(side) * vk::DeviceSize(side) * gpu::stateRows(uint(depth), features.dielectrics) *
+                             sizeof(gpu::Row) >
+                         most)
     side = std::max(8, side / 2 / 8 * 8);
   return side;
 }
@@ -317,7 +317,8 @@ ShaderRenderer::Parts::Passes::Passes(Parts& owner, const Spirv& spirv, const Re
   }
   frame = device.upload(bytesOf(frames), "frame");
   state = device.storageBuffer(
-      vk::DeviceSize(slots) * gpu::stateRows(uint(settings.depth), parts.features.solids) * sizeof(gpu::Row), "state");
+      vk::DeviceSize(slots) * gpu::stateRows(uint(settings.depth), parts.features.dielectrics) * sizeof(gpu::Row),
+      "state");
   pixels = device.storageBuffer(vk::DeviceSize(area) * sizeof(gpu::Row), "pixels");
   status = device.storageBuffer(sizeof(gpu::Status), "status");
   hostStatus = device.hostBuffer(sizeof(gpu::Status), "status on the host");
@@ -329,7 +330,7 @@ ShaderRenderer::Parts::Passes::Passes(Parts& owner, const Spirv& spirv, const Re
 }
 
 void ShaderRenderer::Parts::Passes::bind() {
-  const uint count = bindingCount(parts.fetch);
+  const uint count = bindingCount(parts.access);
   const vk::DescriptorPoolSize sizes[] = {{vk::DescriptorType::eStorageBuffer, gpu::kBindCount},
                                           {vk::DescriptorType::eStorageTexelBuffer, kRowArrays}};
   pool.emplace(device.vulkan(),
@@ -345,7 +346,7 @@ void ShaderRenderer::Parts::Passes::bind() {
   std::array<vk::DescriptorBufferInfo, gpu::kBindCount> infos;
   std::vector<vk::WriteDescriptorSet> writes;
   for (uint i = 0; i < count; ++i) {
-    vk::WriteDescriptorSet write(**set, i, 0, 1, bindingType(i, parts.fetch));
+    vk::WriteDescriptorSet write(**set, i, 0, 1, bindingType(i, parts.access));
     if (write.descriptorType == vk::DescriptorType::eStorageTexelBuffer) write.pTexelBufferView = &**buffers[i]->texels;
     infos[i] = vk::DescriptorBufferInfo(**buffers[i]->buffer, 0, buffers[i]->size);
     write.pBufferInfo = &infos[i];
@@ -424,11 +425,11 @@ void ShaderRenderer::Parts::Passes::traceTile(gpu::Tile tile, const Progress& pr
             "the driver of " + device.info().name +
                 " ended the kernel's loops early (a loop limiter); the picture would be wrong and is not written",
             last.limiter);
-      if (last.solidsLost > 0)
+      if (last.mediaLost > 0)
         throw UntrueKernel(
-            "a ray was in more than " + std::to_string(gpu::kMaxSolids) +
+            "a ray was in more than " + std::to_string(gpu::kMaxMedia) +
             " solids of glass at once, met more of their walls in one place, or passed more than " +
-            std::to_string(gpu::kMaxHiddenWalls) +
+            std::to_string(gpu::kMaxHiddenInterfaces) +
             " walls hidden in others; the picture would be wrong and is not written; use --backend reference");
       // What of this pass is still to be dispatched waits as before.
       const double toCome = 1 - double(tile.firstGroup + tile.groups) / double(allGroups);
@@ -459,12 +460,12 @@ void ShaderRenderer::Parts::Passes::readPixels(const gpu::Tile& tile) const {
 
 // --- the renderer ---------------------------------------------------------------------------------------------------
 
-ShaderRenderer::ShaderRenderer(const DeviceInfo& device, Fetch fetch)
-    : parts_(std::make_unique<Parts>(device, fetch)) {}
+ShaderRenderer::ShaderRenderer(const DeviceInfo& device, BufferAccess access)
+    : parts_(std::make_unique<Parts>(device, access)) {}
 ShaderRenderer::~ShaderRenderer() = default;
 
-Fetch ShaderRenderer::fetch() const {
-  return parts_->fetch;
+BufferAccess ShaderRenderer::access() const {
+  return parts_->access;
 }
 
 void ShaderRenderer::upload(const PackedScene& scene) {
@@ -473,14 +474,14 @@ void ShaderRenderer::upload(const PackedScene& scene) {
   const auto upload = [&](uint binding, std::span<const std::byte> bytes, const char* name) {
     Buffer& buffer = parts_->rows[binding - gpu::kBindNodes];
     buffer = {};  // the last scene's is no longer needed
-    buffer = parts_->device.uploadRows(bytes, parts_->fetch, name);
+    buffer = parts_->device.uploadRows(bytes, parts_->access, name);
   };
   upload(gpu::kBindNodes, bytesOf(scene.nodes), "nodes");
   upload(gpu::kBindPrimitives, bytesOf(scene.primitives), "primitives");
   upload(gpu::kBindVertexNormals, bytesOf(scene.vertexNormals), "vertex normals");
   upload(gpu::kBindMaterials, bytesOf(scene.materials), "materials");
   upload(gpu::kBindLights, bytesOf(scene.lights), "lights");
-  upload(gpu::kBindCubes, bytesOf(scene.cubes), "cubes of directions");
+  upload(gpu::kBindLightBuffers, bytesOf(scene.lightBuffers), "cubes of directions");
 }
 
 ShaderPicture ShaderRenderer::render(const Spirv& kernel, const RenderSettings& settings, const Progress& progress,

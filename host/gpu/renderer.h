@@ -59,11 +59,11 @@ struct PixelsMissing : UntrueKernel {
 class ShaderRenderer {
  public:
   // Opens the device. Throws RunError when it cannot be opened, InputError when it cannot fetch in the wanted way.
-  explicit ShaderRenderer(const DeviceInfo& device, Fetch fetch = Fetch::automatic);
+  explicit ShaderRenderer(const DeviceInfo& device, BufferAccess access = BufferAccess::automatic);
   ~ShaderRenderer();
 
-  // How its kernels are to fetch, see fetchPreamble.
-  Fetch fetch() const;
+  // How its kernels are to fetch, see accessPreamble.
+  BufferAccess access() const;
 
   // Puts the scene into the device's memory. Throws InputError when it does not fit.
   void upload(const PackedScene& scene);

@@ -207,8 +207,8 @@ Device::Device(const DeviceInfo& info) : info_(info), instance_(info.instance) {
   name(*queue_, "compute queue");
 }
 
-bool Device::canFetch(Fetch fetch) const {
-  return fetch == Fetch::texels ? texelRows_ : fetch == Fetch::addresses ? addresses_ : true;
+bool Device::canAccess(BufferAccess access) const {
+  return access == BufferAccess::texelBuffer ? texelRows_ : access == BufferAccess::deviceAddress ? addresses_ : true;
 }
 
 // --- buffers --------------------------------------------------------------------------------------------------------
@@ -276,20 +276,21 @@ Buffer Device::upload(std::span<const std::byte> bytes, const std::string& buffe
   return target;
 }
 
-Buffer Device::uploadRows(std::span<const std::byte> bytes, Fetch fetch, const std::string& bufferName) const {
+Buffer Device::uploadRows(std::span<const std::byte> bytes, BufferAccess access, const std::string& bufferName) const {
   using Usage = vk::BufferUsageFlagBits;
-  const vk::BufferUsageFlags usage = fetch == Fetch::texels      ? Usage::eStorageTexelBuffer
-                                     : fetch == Fetch::addresses ? Usage::eStorageBuffer | Usage::eShaderDeviceAddress
-                                                                 : vk::BufferUsageFlags(Usage::eStorageBuffer);
+  const vk::BufferUsageFlags usage = access == BufferAccess::texelBuffer ? Usage::eStorageTexelBuffer
+                                     : access == BufferAccess::deviceAddress
+                                         ? Usage::eStorageBuffer | Usage::eShaderDeviceAddress
+                                         : vk::BufferUsageFlags(Usage::eStorageBuffer);
   Buffer target =
       makeBuffer(bytes.size(), usage | Usage::eTransferDst, {}, vk::MemoryPropertyFlagBits::eDeviceLocal, bufferName);
   fill(target, bytes, bufferName);
-  if (fetch == Fetch::texels) {
+  if (access == BufferAccess::texelBuffer) {
     target.texels.emplace(
         *device_, vk::BufferViewCreateInfo({}, **target.buffer, vk::Format::eR32G32B32A32Uint, 0, VK_WHOLE_SIZE));
     name(*target.texels, bufferName);
   }
-  if (fetch == Fetch::addresses) target.address = device_->getBufferAddress({**target.buffer});
+  if (access == BufferAccess::deviceAddress) target.address = device_->getBufferAddress({**target.buffer});
   return target;
 }
 
@@ -297,7 +298,7 @@ void Device::fill(const Buffer& target, std::span<const std::byte> bytes, const 
   if (bytes.empty()) return;
   // Memory that the host reaches too needs no copy of its content beside it.
   if (target.mapped) {
-    mapPages(target.mapped, bytes.size());
+    prefault(target.mapped, bytes.size());
     std::memcpy(target.mapped, bytes.data(), bytes.size());
     return;
   }

@@ -54,7 +54,7 @@ class Device {
   const vk::PhysicalDeviceLimits& limits() const { return limits_; }
   bool isCpu() const { return info_.type == "CPU"; }
   uint32_t subgroupSize() const { return subgroupSize_; }
-  bool canFetch(Fetch fetch) const;
+  bool canAccess(BufferAccess access) const;
 
   // A storage buffer on the device. Throws InputError when it exceeds a limit of the device, RunError when the memory
   // is exhausted; both name the buffer and its size.
@@ -64,7 +64,7 @@ class Device {
   // A storage buffer with this content, written directly or by way of a staging buffer.
   Buffer upload(std::span<const std::byte> bytes, const std::string& name) const;
   // The same of rows that the kernel fetches in this way.
-  Buffer uploadRows(std::span<const std::byte> bytes, Fetch fetch, const std::string& name) const;
+  Buffer uploadRows(std::span<const std::byte> bytes, BufferAccess access, const std::string& name) const;
 
   // Records commands, submits them and waits until they are done. Returns the seconds that the device took between the
   // first command and the last, by its timestamps, or by the host's clock where it has none.
@@ -92,7 +92,7 @@ class Device {
   uint32_t queueFamily_ = 0;
   uint32_t timestampBits_ = 0;
   uint32_t subgroupSize_ = 1;
-  bool texelRows_ = false, addresses_ = false;  // what canFetch knows
+  bool texelRows_ = false, addresses_ = false;  // what canAccess knows
   bool debugNames_ = false;
   std::optional<vk::raii::Device> device_;
   std::optional<vk::raii::Queue> queue_;

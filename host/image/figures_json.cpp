@@ -2,7 +2,7 @@
 
 namespace turner {
 
-void putFigures(JsonText& json, const Comparison& comparison) {
+void putFigures(JsonWriter& json, const Comparison& comparison) {
   json.put("rmse", comparison.rmse);
   json.put("rel_rmse", comparison.relRmse);
   json.put("mae", comparison.mae);
@@ -18,7 +18,7 @@ void putFigures(JsonText& json, const Comparison& comparison) {
   json.put("height", comparison.height);
 }
 
-void putCounts(JsonText& json, const char* key, const RayCounts& counts) {
+void putCounts(JsonWriter& json, const char* key, const RayCounts& counts) {
   json.object(key, [&] {
     json.put("eye", counts.eye);
     json.put("reflected", counts.reflected);

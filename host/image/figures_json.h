@@ -8,9 +8,9 @@
 namespace turner {
 
 // Puts them into the object that is open.
-void putFigures(JsonText& json, const Comparison& comparison);
+void putFigures(JsonWriter& json, const Comparison& comparison);
 
 // An object of counts by kind of ray.
-void putCounts(JsonText& json, const char* key, const RayCounts& counts);
+void putCounts(JsonWriter& json, const char* key, const RayCounts& counts);
 
 }  // namespace turner

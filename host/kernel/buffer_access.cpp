@@ -5,30 +5,30 @@
 
 namespace turner {
 
-std::string fetchName(Fetch fetch) {
-  switch (fetch) {
-    case Fetch::texels:
+std::string accessName(BufferAccess access) {
+  switch (access) {
+    case BufferAccess::texelBuffer:
       return "texels";
-    case Fetch::buffers:
+    case BufferAccess::storageBuffer:
       return "buffers";
-    case Fetch::addresses:
+    case BufferAccess::deviceAddress:
       return "addresses";
     default:
       return "automatic";
   }
 }
 
-std::string fetchPreamble(Fetch fetch) {
-  const char* number = fetch == Fetch::texels ? "0" : fetch == Fetch::addresses ? "2" : "1";
-  return std::string("#define FETCH ") + number + "\n";
+std::string accessPreamble(BufferAccess access) {
+  const char* number = access == BufferAccess::texelBuffer ? "0" : access == BufferAccess::deviceAddress ? "2" : "1";
+  return std::string("#define BUFFER_ACCESS ") + number + "\n";
 }
 
-uint32_t bindingCount(Fetch fetch) {
-  return fetch == Fetch::addresses ? gpu::kBindNodes : gpu::kBindCount;
+uint32_t bindingCount(BufferAccess access) {
+  return access == BufferAccess::deviceAddress ? gpu::kBindNodes : gpu::kBindCount;
 }
 
-bool bindsTexels(uint32_t binding, Fetch fetch) {
-  return fetch == Fetch::texels && binding >= gpu::kBindNodes;
+bool bindsTexels(uint32_t binding, BufferAccess access) {
+  return access == BufferAccess::texelBuffer && binding >= gpu::kBindNodes;
 }
 
 }  // namespace turner

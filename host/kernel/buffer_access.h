@@ -1,4 +1,4 @@
-// The ways in which a kernel can fetch the scene's rows; shaders/fetch.glsl says what they are.
+// The ways in which a kernel can fetch the scene's rows; shaders/buffer_access.glsl says what they are.
 #pragma once
 
 #include <cstdint>
@@ -7,20 +7,20 @@
 namespace turner {
 
 // `automatic` is what suits the device, by measurement (docs/performance.md).
-enum class Fetch { automatic, texels, buffers, addresses };
+enum class BufferAccess { automatic, texelBuffer, storageBuffer, deviceAddress };
 
 inline constexpr uint32_t kRowArrays = 6;  // nodes, primitives, vertex normals, materials, lights, cubes
 inline constexpr uint32_t kRowBytes = 16;
 
 // "texels", "buffers" or "addresses".
-std::string fetchName(Fetch fetch);
+std::string accessName(BufferAccess access);
 
 // How many bindings a kernel has, and which of them are storage texel buffers; all others are storage buffers. By
 // address it has none for rows.
-uint32_t bindingCount(Fetch fetch);
-bool bindsTexels(uint32_t binding, Fetch fetch);
+uint32_t bindingCount(BufferAccess access);
+bool bindsTexels(uint32_t binding, BufferAccess access);
 
 // What compileGlsl reads before the kernel.
-std::string fetchPreamble(Fetch fetch);
+std::string accessPreamble(BufferAccess access);
 
 }  // namespace turner

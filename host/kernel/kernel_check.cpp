@@ -98,7 +98,7 @@ constexpr HostMember hostMember(const char* name, size_t offset) {
 constexpr HostMember kFrame[] = {
     HOST_MEMBER(Frame, centreHi),   HOST_MEMBER(Frame, centreLo), HOST_MEMBER(Frame, rightHi),
     HOST_MEMBER(Frame, rightLo),    HOST_MEMBER(Frame, downHi),   HOST_MEMBER(Frame, downLo),
-    HOST_MEMBER(Frame, background), HOST_MEMBER(Frame, solids),   HOST_MEMBER(Frame, addresses),
+    HOST_MEMBER(Frame, background), HOST_MEMBER(Frame, media),    HOST_MEMBER(Frame, addresses),
 };
 constexpr HostMember kTile[] = {
     HOST_MEMBER(Tile, x0),    HOST_MEMBER(Tile, y0),         HOST_MEMBER(Tile, width),  HOST_MEMBER(Tile, height),
@@ -108,7 +108,7 @@ constexpr HostMember kStatus[] = {
     HOST_MEMBER(Status, unfinished),
     HOST_MEMBER(Status, limiter),
     HOST_MEMBER(Status, samplesWaiting),
-    HOST_MEMBER(Status, solidsLost),
+    HOST_MEMBER(Status, mediaLost),
 };
 #undef HOST_MEMBER
 
@@ -146,7 +146,7 @@ constexpr HostBinding kBindings[] = {
     {gpu::kBindVertexNormals, "kBindVertexNormals", "vertexNormals", "the vertex normals", kRowsBlock},
     {gpu::kBindMaterials, "kBindMaterials", "materials", "the materials", kRowsBlock},
     {gpu::kBindLights, "kBindLights", "lights", "the lights", kRowsBlock},
-    {gpu::kBindCubes, "kBindCubes", "cubes", "the cubes of directions", kRowsBlock},
+    {gpu::kBindLightBuffers, "kBindLightBuffers", "cubes", "the cubes of directions", kRowsBlock},
 };
 static_assert(std::size(kBindings) == gpu::kBindCount);
 
@@ -176,7 +176,7 @@ constexpr HostConstant kConstants[] = {
     {gpu::kSpecFresh, "kSpecFresh", "FRESH", true},
     {gpu::kSpecNearSpheres, "kSpecNearSpheres", "NEAR_SPHERES", true},
     {gpu::kSpecFarSpheres, "kSpecFarSpheres", "FAR_SPHERES", true},
-    {gpu::kSpecSolids, "kSpecSolids", "SOLIDS", true},
+    {gpu::kSpecNestedDielectrics, "kSpecNestedDielectrics", "NESTED_DIELECTRICS", true},
     {gpu::kSpecRadicesLow, "kSpecRadicesLow", "RADICES_LOW", false},
     {gpu::kSpecRadicesHigh, "kSpecRadicesHigh", "RADICES_HIGH", false},
 };
@@ -193,7 +193,7 @@ static_assert(areInOrder(kBindings, &HostBinding::binding) && areInOrder(kConsta
 
 // What every Vulkan 1.2 device takes without a feature having been asked for; operations of subgroups are properties of
 // the device, not features.
-bool isOpenCapability(uint32_t capability, Fetch fetch) {
+bool isOpenCapability(uint32_t capability, BufferAccess access) {
   constexpr uint32_t kMatrix = 0, kShader = 1, kInputAttachment = 40, kSampled1D = 43, kImage1D = 44,
                      kSampledBuffer = 46, kImageBuffer = 47, kImageQuery = 50, kDerivativeControl = 51,
                      kGroupNonUniform = 61, kGroupNonUniformQuad = 68, kDeviceGroup = 4437, kAddresses = 5347;
@@ -210,7 +210,7 @@ bool isOpenCapability(uint32_t capability, Fetch fetch) {
     case kDeviceGroup:
       return true;
     case kAddresses:
-      return fetch == Fetch::addresses;
+      return access == BufferAccess::deviceAddress;
     default:
       return capability >= kGroupNonUniform && capability <= kGroupNonUniformQuad;
   }
@@ -370,8 +370,8 @@ std::string typeOf(const HostMember& member) {
 
 class KernelCheck {
  public:
-  KernelCheck(const Declarations& declarations, const std::vector<ShaderSource>& shaderSources, Fetch way)
-      : module(declarations), sources(shaderSources), fetch(way) {}
+  KernelCheck(const Declarations& declarations, const std::vector<ShaderSource>& shaderSources, BufferAccess way)
+      : module(declarations), sources(shaderSources), access(way) {}
 
   void checkEntryPoint();
   void checkCapabilities();
@@ -383,8 +383,8 @@ class KernelCheck {
 
  private:
   // Notes a fault once: several variables may lead to the same one.
-  void add(const SourcePlace& place, const std::string& message) {
-    const std::string fault = faultAt(place) + message;
+  void add(const SourceLocation& location, const std::string& message) {
+    const std::string fault = faultAt(location) + message;
     if (std::find(faults.begin(), faults.end(), fault) == faults.end()) faults.push_back(fault);
   }
   void addOf(const std::vector<std::string>& names, const std::string& message) {
@@ -405,7 +405,7 @@ class KernelCheck {
 
   const Declarations& module;
   const std::vector<ShaderSource>& sources;
-  Fetch fetch;
+  BufferAccess access;
 };
 
 void KernelCheck::checkEntryPoint() {
@@ -439,13 +439,13 @@ std::vector<std::string> wordsOfCapability(const std::string& name) {
 
 void KernelCheck::checkCapabilities() {
   for (const uint32_t capability : module.capabilities) {
-    if (isOpenCapability(capability, fetch)) continue;
+    if (isOpenCapability(capability, access)) continue;
     const std::string name = capabilityName(capability);
-    const bool isOtherFetch = name == "PhysicalStorageBufferAddresses";
-    addOf(wordsOfCapability(name),
-          "the kernel needs " + name + ", which turner's device is not opened with" +
-              (isOtherFetch ? " where rows are fetched as " + fetchName(fetch) + "; read them by ROW() of fetch.glsl"
-                            : "; do without it, 32-bit floats and integers are there"));
+    const bool isOtherAccess = name == "PhysicalStorageBufferAddresses";
+    addOf(wordsOfCapability(name), "the kernel needs " + name + ", which turner's device is not opened with" +
+                                       (isOtherAccess ? " where rows are fetched as " + accessName(access) +
+                                                            "; read them by ROW() of buffer_access.glsl"
+                                                      : "; do without it, 32-bit floats and integers are there"));
   }
   // Extensions are part of the device's as well. What SPIR-V 1.5 has taken in has no need to be asked for.
   for (const std::string& extension : module.extensions)
@@ -553,27 +553,28 @@ void KernelCheck::checkResource(uint32_t variable, const Resource& resource, uin
   if (set && *set != 0)
     return addOf(resource.names, name + " is in descriptor set " + std::to_string(*set) +
                                      "; turner binds set 0 only; leave the set away");
-  const uint32_t* const place = module.decoration(variable, kBinding);
-  if (!place) return addOf(resource.names, name + " has no binding; write layout(binding = ...) with one of layout.h");
-  const uint32_t count = bindingCount(fetch);
-  if (*place >= count)
-    return addOf(resource.names, name + " has binding " + std::to_string(*place) + "; turner binds 0 to " +
-                                     std::to_string(count - 1) + " where rows are fetched as " + fetchName(fetch) +
-                                     (*place < gpu::kBindCount ? "; read rows by ROW() of fetch.glsl"
-                                                               : "; take one of these, with what it holds"));
+  const uint32_t* const location = module.decoration(variable, kBinding);
+  if (!location)
+    return addOf(resource.names, name + " has no binding; write layout(binding = ...) with one of layout.h");
+  const uint32_t count = bindingCount(access);
+  if (*location >= count)
+    return addOf(resource.names, name + " has binding " + std::to_string(*location) + "; turner binds 0 to " +
+                                     std::to_string(count - 1) + " where rows are fetched as " + accessName(access) +
+                                     (*location < gpu::kBindCount ? "; read rows by ROW() of buffer_access.glsl"
+                                                                  : "; take one of these, with what it holds"));
 
   // A name of the kernel's that has wandered to another binding would read other data without a word.
-  const HostBinding& host = kBindings[*place];
+  const HostBinding& host = kBindings[*location];
   for (const HostBinding& other : kBindings)
     if (&other != &host &&
         std::find(resource.names.begin(), resource.names.end(), other.variable) != resource.names.end())
-      return addOf(resource.names, name + " has binding " + std::to_string(*place) + ", where turner binds " +
+      return addOf(resource.names, name + " has binding " + std::to_string(*location) + ", where turner binds " +
                                        host.what + "; write binding = " + other.constant);
-  const bool wantsTexels = bindsTexels(*place, fetch);
+  const bool wantsTexels = bindsTexels(*location, access);
   if (isTexels != wantsTexels)
     return addOf(resource.names, name + " is a storage " + (isTexels ? "texel buffer" : "buffer") + "; at binding " +
-                                     std::to_string(*place) + " turner binds " + host.what + " as a storage " +
-                                     (wantsTexels ? "texel buffer; declare it by ROWS() of fetch.glsl"
+                                     std::to_string(*location) + " turner binds " + host.what + " as a storage " +
+                                     (wantsTexels ? "texel buffer; declare it by ROWS() of buffer_access.glsl"
                                                   : "buffer; declare it as a buffer block"));
   if (isTexels)
     checkTexels(resource, host);
@@ -629,9 +630,9 @@ void KernelCheck::checkBlock(const Resource& resource, const HostBlock& host) {
       message = name + " has an element every " + std::to_string(member.stride) + " bytes here, but every " +
                 std::to_string(kRowBytes);
     if (message.empty()) continue;
-    SourcePlace place = findDeclaration(sources, resource.names);
-    findMember(sources, module.name(member.structure), member.name, place);
-    return add(place, message + kLayoutRemedy);
+    SourceLocation location = findDeclaration(sources, resource.names);
+    findMember(sources, module.name(member.structure), member.name, location);
+    return add(location, message + kLayoutRemedy);
   }
 }
 
@@ -653,9 +654,9 @@ std::string validateSpirv(const std::vector<uint32_t>& words) {
 
 }  // namespace
 
-void checkKernel(const Spirv& kernel, const std::vector<ShaderSource>& sources, Fetch fetch) {
+void checkKernel(const Spirv& kernel, const std::vector<ShaderSource>& sources, BufferAccess access) {
   const Declarations module = readDeclarations(kernel.words);
-  KernelCheck check(module, sources, fetch);
+  KernelCheck check(module, sources, access);
   check.checkEntryPoint();
   check.checkCapabilities();
   check.checkWorkGroup();

@@ -15,6 +15,6 @@ namespace turner {
 // fault is told at the place of the declaration.
 // Throws InputError with a line for each fault; of a block only its first wrong member is told, as the others often
 // follow from it.
-void checkKernel(const Spirv& kernel, const std::vector<ShaderSource>& sources, Fetch fetch);
+void checkKernel(const Spirv& kernel, const std::vector<ShaderSource>& sources, BufferAccess access);
 
 }  // namespace turner

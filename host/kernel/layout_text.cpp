@@ -178,7 +178,7 @@ void checkLayout(const std::vector<ShaderSource>& sources) {
         found[differs->first] = differs->second + kLayoutRemedy;
     }
     for (const auto& [offset, message] : found)
-      faults += (faults.empty() ? "" : "\n") + faultAt(placeAt(source, offset)) + message;
+      faults += (faults.empty() ? "" : "\n") + faultAt(locationAt(source, offset)) + message;
   }
   if (!faults.empty()) throw InputError(faults);
 }

@@ -15,7 +15,7 @@ struct ShaderSource {
 };
 
 // Lines and columns (in bytes) count from 1.
-struct SourcePlace {
+struct SourceLocation {
   std::string path;
   int line = 1, column = 1;
 };

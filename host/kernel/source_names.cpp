@@ -17,19 +17,19 @@ bool tellsLayout(std::string_view token) {
 
 }  // namespace
 
-SourcePlace placeAt(const ShaderSource& source, size_t offset) {
-  SourcePlace place{source.path};
+SourceLocation locationAt(const ShaderSource& source, size_t offset) {
+  SourceLocation location{source.path};
   const std::string_view before = std::string_view(*source.text).substr(0, offset);
-  place.line += int(std::count(before.begin(), before.end(), '\n'));
-  place.column = int(before.size() - (before.rfind('\n') + 1)) + 1;  // npos + 1 is 0
-  return place;
+  location.line += int(std::count(before.begin(), before.end(), '\n'));
+  location.column = int(before.size() - (before.rfind('\n') + 1)) + 1;  // npos + 1 is 0
+  return location;
 }
 
-std::string faultAt(const SourcePlace& place) {
-  return place.path + ':' + std::to_string(place.line) + ':' + std::to_string(place.column) + ": error: ";
+std::string faultAt(const SourceLocation& location) {
+  return location.path + ':' + std::to_string(location.line) + ':' + std::to_string(location.column) + ": error: ";
 }
 
-SourcePlace findDeclaration(const std::vector<ShaderSource>& sources, const std::vector<std::string>& names) {
+SourceLocation findDeclaration(const std::vector<ShaderSource>& sources, const std::vector<std::string>& names) {
   struct Found {
     const ShaderSource* source;
     size_t offset, rank;  // a lower rank is better
@@ -51,11 +51,11 @@ SourcePlace findDeclaration(const std::vector<ShaderSource>& sources, const std:
       }
     }
   }
-  return best ? placeAt(*best->source, best->offset) : SourcePlace{sources.empty() ? "" : sources[0].path};
+  return best ? locationAt(*best->source, best->offset) : SourceLocation{sources.empty() ? "" : sources[0].path};
 }
 
 bool findMember(const std::vector<ShaderSource>& sources, const std::string& structure, const std::string& member,
-                SourcePlace& place) {
+                SourceLocation& location) {
   for (const ShaderSource& source : sources) {
     if (!source.text) continue;
     const std::vector<GlslToken> tokens = readGlslTokens(*source.text);
@@ -63,7 +63,7 @@ bool findMember(const std::vector<ShaderSource>& sources, const std::string& str
       if (tokens[i].text != structure || tokens[i + 1].text != "{") continue;
       for (size_t j = i + 2; j < tokens.size() && tokens[j].text != "}"; ++j) {
         if (tokens[j].text != member) continue;
-        place = placeAt(source, tokens[j].offset);
+        location = locationAt(source, tokens[j].offset);
         return true;
       }
     }

@@ -9,17 +9,17 @@
 
 namespace turner {
 
-SourcePlace placeAt(const ShaderSource& source, size_t offset);
+SourceLocation locationAt(const ShaderSource& source, size_t offset);
 
 // "path:line:column: error: "
-std::string faultAt(const SourcePlace& place);
+std::string faultAt(const SourceLocation& location);
 
 // Where the first of these names that stands in a declaration with a layout stands; failing that, where the first
 // stands that stands anywhere; failing that, the beginning of the shader.
-SourcePlace findDeclaration(const std::vector<ShaderSource>& sources, const std::vector<std::string>& names);
+SourceLocation findDeclaration(const std::vector<ShaderSource>& sources, const std::vector<std::string>& names);
 
 // Where a member is declared between the braces behind the structure's or the block's name; false if nowhere.
 bool findMember(const std::vector<ShaderSource>& sources, const std::string& structure, const std::string& member,
-                SourcePlace& place);
+                SourceLocation& location);
 
 }  // namespace turner

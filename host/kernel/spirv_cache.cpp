@@ -79,7 +79,7 @@ std::optional<CachedSpirv> decode(const std::string& key, std::string_view bytes
 // The bytes of a regular file. Marks it as used, where that is allowed.
 std::optional<std::string> readAndMark(const std::string& path) {
   // Not to wait, should somebody have put a pipe there.
-  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+  const UniqueFd file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   struct stat found {};
   if (file.number < 0 || ::fstat(file.number, &found) != 0 || !S_ISREG(found.st_mode)) return std::nullopt;
   if (found.st_size < 0 || uint64_t(found.st_size) > kMostBytes) return std::nullopt;
@@ -109,7 +109,7 @@ bool writeAll(int file, std::string_view bytes) {
 // is worth, and the checksum tells what a power cut has left.
 void writeByRename(const std::string& path, std::string_view bytes) {
   std::string temporary = path + ".XXXXXX";
-  Descriptor file(::mkostemp(temporary.data(), O_CLOEXEC));
+  UniqueFd file(::mkostemp(temporary.data(), O_CLOEXEC));
   if (file.number < 0) return;
   bool whole = writeAll(file.number, bytes);
   // A network's disk may say that it is full only now.

@@ -257,7 +257,9 @@ struct Surface {
 class World {
  public:
   World(const Scene& itsScene, ReferenceSearch search)
-      : scene(itsScene), solids(touchingSolids(itsScene)), bruteForce(search == ReferenceSearch::bruteForce) {
+      : scene(itsScene),
+        dielectrics(findNestedDielectrics(itsScene)),
+        bruteForce(search == ReferenceSearch::bruteForce) {
     double largestCoordinate = largestSize(scene.camera.eye);
     std::vector<reference::Box> boxes;
     boxes.reserve(primitiveCount());
@@ -292,13 +294,13 @@ class World {
       if (t < nearest.t || (t == nearest.t && t < kFarAway && comesFirst(id, nearest.id))) nearest = {t, id, {}};
       return nearest.t;
     });
-    if (solidOf(nearest.id) == kNoSolid) return nearest;
+    if (solidOf(nearest.id) == kNoMedium) return nearest;
     // All that is in one place with it, no more than roundings away where it is no wall of a solid; the first is hit.
-    const double apart = apartAlong(ray, nearest.t, nearest.id);
+    const double apart = coincidenceDistance(ray, nearest.t, nearest.id);
     Hit hit = nearest;
     forCandidates(ray, nearest.t + apart, [&](uint32_t id) {
       const double t = hitPrimitive(ray, id);
-      const bool isWall = solidOf(id) != kNoSolid;
+      const bool isWall = solidOf(id) != kNoMedium;
       if (t > nearest.t + (isWall ? apart : 0.25 * apart)) return nearest.t + apart;
       if (isWall) hit.place.push_back(id);
       if (comesFirst(id, hit.id)) hit.t = t, hit.id = id;
@@ -307,10 +309,10 @@ class World {
     return hit;
   }
 
-  // Of the solids that overlap or touch, the one that a primitive is a wall of, or kNoSolid.
+  // Of the solids that overlap or touch, the one that a primitive is a wall of, or kNoMedium.
   uint32_t solidOf(uint32_t id) const {
-    if (solids.empty() || id == kNothing) return kNoSolid;
-    return id < scene.spheres.size() ? solids.ofSpheres[id] : solids.ofTriangles[id - scene.spheres.size()];
+    if (dielectrics.empty() || id == kNothing) return kNoMedium;
+    return id < scene.spheres.size() ? dielectrics.ofSpheres[id] : dielectrics.ofTriangles[id - scene.spheres.size()];
   }
 
   // Whether anything lies on the ray nearer than `end`.
@@ -345,12 +347,12 @@ class World {
   }
 
   const Scene& scene;
-  const Solids solids;
+  const NestedDielectrics dielectrics;
 
  private:
   // How far along the ray another wall may be that is in one place with this one: 48 roundings of float32 to the side,
   // of its distance from the eye.
-  double apartAlong(const Ray& ray, double t, uint32_t id) const {
+  double coincidenceDistance(const Ray& ray, double t, uint32_t id) const {
     const dvec3 x = ray.origin + t * ray.direction;
     const dvec3 normal = id < scene.spheres.size() ? (x - scene.spheres[id].center) / scene.spheres[id].radius
                                                    : faceNormals[id - scene.spheres.size()];
@@ -365,7 +367,7 @@ class World {
           id < scene.spheres.size() ? scene.spheres[id].material : scene.triangles[id - scene.spheres.size()].material;
       if (scene.materials[material].transmit <= 0) return int64_t(-2);
       const uint32_t solid = solidOf(id);
-      return solid == kNoSolid ? int64_t(-1) : int64_t(kNoSolid) - solid;
+      return solid == kNoMedium ? int64_t(-1) : int64_t(kNoMedium) - solid;
     };
     return std::pair(kind(a), a) < std::pair(kind(b), b);
   }
@@ -532,12 +534,12 @@ class Tracer {
   }
 
   double indexIn(const Inside& inside) const {
-    return inside.empty() ? 1 : scene.materials[world.solids.materials[inside.back()]].ior;
+    return inside.empty() ? 1 : scene.materials[world.dielectrics.materials[inside.back()]].eta;
   }
 
   bool sameGlass(const Inside& a, const Inside& b) const {
     if (a.empty() || b.empty()) return a.empty() == b.empty();
-    return world.solids.glasses[a.back()] == world.solids.glasses[b.back()];
+    return world.dielectrics.glasses[a.back()] == world.dielectrics.glasses[b.back()];
   }
 
   Crossing crossing(const Ray& ray, const World::Hit& hit, const Surface& surface, const Inside& inside) const {
@@ -545,8 +547,8 @@ class Tracer {
     for (const bool enters : {true, false})
       for (const uint32_t id : hit.place)
         if (world.entersSolid(ray, hit.t, id) == enters) enterOrLeave(result.behind, world.solidOf(id), enters);
-    const double own = surface.material->ior;
-    if (world.solidOf(surface.id) != kNoSolid) {
+    const double own = surface.material->eta;
+    if (world.solidOf(surface.id) != kNoMedium) {
       result.ratio = indexIn(inside) / indexIn(result.behind);
       result.hidden = sameGlass(inside, result.behind);
     } else {
@@ -556,12 +558,12 @@ class Tracer {
   }
 
   dvec3 seenAlong(const dvec3& direction) {
-    return radiance(makeRay(scene.camera.eye, direction, kNothing), world.solids.aroundEye, 1, 1);
+    return radiance(makeRay(scene.camera.eye, direction, kNothing), world.dielectrics.aroundEye, 1, 1);
   }
 
   // What comes back along the ray, which is of this level of its tree and counts in the pixel with this weight.
   dvec3 radiance(Ray ray, Inside inside, int level, double weight) {
-    for (int walls = 0; walls < kMostHiddenWalls; ++walls) {
+    for (int walls = 0; walls < kMostHiddenInterfaces; ++walls) {
       if (stop.stop_requested()) return dvec3(0);
       const World::Hit hit = world.closest(ray);
       if (hit.id == kNothing) return scene.background;
@@ -571,9 +573,9 @@ class Tracer {
       ray = makeRay(surface.startToward(ray.direction), ray.direction, surface.id);
       inside = through.behind;
     }
-    throw RunError("a ray passed more than " + std::to_string(kMostHiddenWalls) + " walls hidden in other glass");
+    throw RunError("a ray passed more than " + std::to_string(kMostHiddenInterfaces) + " walls hidden in other glass");
   }
-  static constexpr int kMostHiddenWalls = 65536;
+  static constexpr int kMostHiddenInterfaces = 65536;
 
   // What a surface sends back along the ray that hit it.
   dvec3 sentBack(const Ray& ray, const Surface& surface, const Inside& inside, const Crossing& through, int level,

@@ -50,7 +50,7 @@ class Journal {
   void read(const std::string& line);
 
   std::string folder_;
-  Descriptor file_;
+  UniqueFd file_;
   std::map<std::pair<std::string, int>, Measurement> measurements_;
   std::map<std::string, std::string> decisions_;
 };

@@ -57,7 +57,7 @@ class ShaderPictures : public Renderer {
   ShaderPictures(const Scene& scene, const DeviceInfo& device, const std::string& shaders)
       : scene_(scene),
         renderer_(device),
-        kernel_(compileGlsl(shaders + "/whitted.comp", fetchPreamble(renderer_.fetch()))) {
+        kernel_(compileGlsl(shaders + "/whitted.comp", accessPreamble(renderer_.access()))) {
     info.name = shortName(device);
     info.device = device.name;
     info.driver = device.driver;

@@ -11,7 +11,7 @@
 namespace turner::report {
 namespace {
 
-void putSeconds(JsonText& json, const Point& point) {
+void putSeconds(JsonWriter& json, const Point& point) {
   json.object("seconds", [&] {
     json.put("median", point.medianSeconds());
     json.put("min", point.fastest());
@@ -22,7 +22,7 @@ void putSeconds(JsonText& json, const Point& point) {
   });
 }
 
-void putPoint(JsonText& json, const Machine& machine, const SweptScene& scene, const Point& point, bool onFront) {
+void putPoint(JsonWriter& json, const Machine& machine, const SweptScene& scene, const Point& point, bool onFront) {
   json.object([&] {
     json.put("name", point.name);
     json.put("device", scene.renderers[point.renderer].name);
@@ -54,7 +54,7 @@ void putPoint(JsonText& json, const Machine& machine, const SweptScene& scene, c
   });
 }
 
-void putCurve(JsonText& json, const SweptScene& scene, const Curve& curve) {
+void putCurve(JsonWriter& json, const SweptScene& scene, const Curve& curve) {
   json.object([&] {
     json.put("device", scene.renderers[curve.renderer].name);
     json.put("sampler", samplerName(curve.sampler));
@@ -73,7 +73,7 @@ void putCurve(JsonText& json, const SweptScene& scene, const Curve& curve) {
   });
 }
 
-void putScene(JsonText& json, const Machine& machine, const SweptScene& scene) {
+void putScene(JsonWriter& json, const Machine& machine, const SweptScene& scene) {
   const std::vector<bool> onFront = isOnFront(scene);
   json.object([&] {
     json.put("scene", scene.path);
@@ -131,7 +131,7 @@ std::string field(double value) {
 }  // namespace
 
 std::string reportJson(const Machine& machine, const std::vector<SweptScene>& scenes) {
-  JsonText json;
+  JsonWriter json;
   json.object([&] {
     json.put("turner", machine.version);
     json.put("date", machine.date);

@@ -32,7 +32,7 @@ struct Material {
   double shininess = 1;          // n, >= 0
   double reflect = 0;            // r
   double transmit = 0;           // t
-  double ior = 1.5;              // eta, looked at only where transmit > 0
+  double eta = 1.5;              // eta, looked at only where transmit > 0
   double localWeight = 1;        // w_local: 1 - r - t in a scene of ours, 1 in NFF
 };
 

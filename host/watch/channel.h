@@ -35,14 +35,14 @@ class Channel {
   // The next message; waits for it. None: the other end is gone.
   std::optional<Message> wait();
   // Whether the other end is gone and all that it has sent was received.
-  bool isOver() const { return gone_ && messages_.empty(); }
+  bool isFinished() const { return gone_ && messages_.empty(); }
 
   int descriptor() const { return socket_.number; }
 
  private:
   void takeWhatIsThere(bool wait);
 
-  Descriptor socket_;
+  UniqueFd socket_;
   std::string rest_;     // posted and not yet sent
   std::string arrived_;  // the beginning of a message
   std::deque<Message> messages_;

@@ -33,7 +33,7 @@ void closeOthers(int mine) {
 
 // When memory runs out, the child shall go, not its parent, which has the last good picture.
 void offerAsVictim() {
-  const Descriptor file(::open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC));
+  const UniqueFd file(::open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC));
   if (file.number >= 0 && ::write(file.number, "1000", 4) < 0) return;  // then the system chooses by itself
 }
 

@@ -79,7 +79,7 @@ std::string codeLine(const Consequences& of) {
   return line("SPIR-V", text);
 }
 
-void putChange(JsonText& json, const RayCounts& now, const RayCounts& before) {
+void putChange(JsonWriter& json, const RayCounts& now, const RayCounts& before) {
   json.object("rays_change", [&] {
     json.put("eye", int64_t(now.eye - before.eye));
     json.put("reflected", int64_t(now.reflected - before.reflected));
@@ -90,7 +90,7 @@ void putChange(JsonText& json, const RayCounts& now, const RayCounts& before) {
 
 }  // namespace
 
-void putComparison(JsonText& json, const char* key, const std::optional<Comparison>& comparison) {
+void putComparison(JsonWriter& json, const char* key, const std::optional<Comparison>& comparison) {
   if (comparison)
     json.object(key, [&] { putFigures(json, *comparison); });
   else
@@ -114,7 +114,7 @@ std::string consequencesText(const Consequences& of) {
          (of.kept.empty() ? "" : line("kept", of.kept));
 }
 
-void putConsequences(JsonText& json, const Consequences& of) {
+void putConsequences(JsonWriter& json, const Consequences& of) {
   json.put("version", of.version);
   json.put("last_good", of.lastGood);
   json.array("changed", [&] {

@@ -47,7 +47,7 @@ std::string consequencesText(const Consequences& of);
 std::string referenceText(const Comparison& comparison);
 
 // Into an object that is open.
-void putComparison(JsonText& json, const char* key, const std::optional<Comparison>& comparison);
-void putConsequences(JsonText& json, const Consequences& of);
+void putComparison(JsonWriter& json, const char* key, const std::optional<Comparison>& comparison);
+void putConsequences(JsonWriter& json, const Consequences& of);
 
 }  // namespace turner::watch

@@ -39,10 +39,10 @@ Diagnosis readLine(std::string_view line) {
     return diagnosis;
   }
   diagnosis.message = line.substr(at + kError.size());
-  std::string_view place = line.substr(0, at);
-  const std::optional<int> last = takeNumber(place);
-  const std::optional<int> first = last ? takeNumber(place) : std::nullopt;
-  diagnosis.file = place;
+  std::string_view location = line.substr(0, at);
+  const std::optional<int> last = takeNumber(location);
+  const std::optional<int> first = last ? takeNumber(location) : std::nullopt;
+  diagnosis.file = location;
   if (first) {
     diagnosis.line = *first;
     diagnosis.column = *last;

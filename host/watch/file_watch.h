@@ -54,7 +54,7 @@ class FileWatch {
   void drainEvents();
   void renewWatches();
 
-  Descriptor inotify_;
+  UniqueFd inotify_;
   std::map<std::string, Followed> files_;
   std::map<int, std::string> watches_;  // inotify's number and the folder
   bool allWatched_ = true;              // every folder that holds a file or a link of the set

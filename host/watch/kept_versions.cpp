@@ -34,9 +34,9 @@ void writeInto(const fs::path& file, const std::string& bytes) {
 // Where a source goes in the version's folder: as it lies in the shaders' own.
 fs::path placeOf(const ShaderSource& source, size_t index) {
   const std::string name = index == 0 ? fs::path(source.path).filename().string() : source.name;
-  const fs::path place = ("shaders" / fs::path(name)).lexically_normal();
+  const fs::path location = ("shaders" / fs::path(name)).lexically_normal();
   // What is included from far away cannot keep its place.
-  return *place.begin() == ".." ? fs::path("outside") / std::to_string(index) / place.filename() : place;
+  return *location.begin() == ".." ? fs::path("outside") / std::to_string(index) / location.filename() : location;
 }
 
 }  // namespace

@@ -123,7 +123,7 @@ LoopProbe probeLoops(const std::vector<ShaderSource>& sources) {
   return probe;
 }
 
-std::optional<SourcePlace> endlessLoop(const LoopProbe& probe, uint32_t limiterCount) {
+std::optional<SourceLocation> endlessLoop(const LoopProbe& probe, uint32_t limiterCount) {
   const uint32_t size = limiterCount >> 28, number = limiterCount >> 20 & (kMostLoops - 1);
   if (size == 0 || number >= probe.loops.size()) return std::nullopt;
   return probe.loops[number];

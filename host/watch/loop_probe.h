@@ -24,7 +24,7 @@ inline constexpr uint32_t kLongProbeBudget = 1u << 20;
 
 struct LoopProbe {
   std::vector<ShaderSource> sources;
-  std::vector<SourcePlace> loops;  // by number: where each one's keyword stands in the original sources
+  std::vector<SourceLocation> loops;  // by number: where each one's keyword stands in the original sources
 };
 
 // Of sources as readShaderSources gives them. What cannot be followed in them is left as it is; the result may then not
@@ -33,6 +33,6 @@ LoopProbe probeLoops(const std::vector<ShaderSource>& sources);
 
 // What LoopsCut::count says of the probe's kernel: the loop that made too many turns, or where none did but a driver
 // has ended loops, the one that made the most.
-std::optional<SourcePlace> endlessLoop(const LoopProbe& probe, uint32_t limiterCount);
+std::optional<SourceLocation> endlessLoop(const LoopProbe& probe, uint32_t limiterCount);
 
 }  // namespace turner::watch

@@ -71,14 +71,14 @@ struct SceneReady {
   Scene told;  // name, camera, sources and notes
   RenderSettings settings;
   uint64_t spheres = 0, triangles = 0;
-  std::string device, driver, deviceType, fetch;
+  std::string device, driver, deviceType, access;
   double openSeconds = 0, loadSeconds = 0, buildSeconds = 0, uploadSeconds = 0;  // 0 where it was not done again
 
   template <class Bytes>
   void fields(Bytes& b) {
     uint64_t files = told.sources.size();
     b(job, sceneEpoch, told.name, told.camera, told.notes, files, settings, spheres, triangles, device, driver,
-      deviceType, fetch);
+      deviceType, access);
     b(openSeconds, loadSeconds, buildSeconds, uploadSeconds);
     told.sources.resize(files);
     for (SourceFile& file : told.sources) b(file.path, file.sha256);

@@ -26,7 +26,7 @@ struct WatchPlan {
   std::function<DeviceInfo()> chooseDevice;                // throws InputError and RunError
   std::function<void()> throwIfInterrupted;                // throws Interrupted
   std::function<void(const std::string& path, const Image& image, const Provenance& provenance)> writePicture;
-  Fetch fetch = Fetch::automatic;
+  BufferAccess access = BufferAccess::automatic;
   Dispatching dispatching;
 };
 

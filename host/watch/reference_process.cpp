@@ -43,7 +43,7 @@ bool ReferenceProcess::hear(std::string& fault) {
     process_.reset();
     return true;
   }
-  if (!process_->line().isOver()) return false;
+  if (!process_->line().isFinished()) return false;
   fault = "its process " + process_->end();
   process_.reset();
   return true;

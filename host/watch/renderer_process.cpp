@@ -122,7 +122,7 @@ double RendererProcess::nextDecision() const {
 
 std::optional<Refused> RendererProcess::takeLoss(double now) {
   if (!process_) return std::nullopt;
-  const bool died = process_->line().isOver();
+  const bool died = process_->line().isFinished();
   if (!died && now < nextDecision()) return std::nullopt;
   // It may be this process that was late, and what the worker said waits.
   if (!died && process_->line().hasArrivals()) return std::nullopt;

@@ -39,7 +39,7 @@ class RendererProcess {
   bool hasGrown();
 
   // For poll(): -1 where there is nothing to wait for.
-  int descriptor() const { return process_ && !process_->line().isOver() ? process_->line().descriptor() : -1; }
+  int descriptor() const { return process_ && !process_->line().isFinished() ? process_->line().descriptor() : -1; }
   bool hasUnsent() const { return process_ && process_->line().hasRest(); }
   // When takeLoss() has something to decide at the latest.
   double nextDecision() const;

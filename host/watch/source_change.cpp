@@ -133,20 +133,21 @@ const GlslLoop* firstInnermost(const std::vector<GlslLoop>& loops) {
 }
 
 template <class IsWanted>
-std::optional<SourcePlace> findLoop(const std::vector<EditedFile>& files, IsWanted isWanted) {
+std::optional<SourceLocation> findLoop(const std::vector<EditedFile>& files, IsWanted isWanted) {
   for (const EditedFile& file : files) {
     std::vector<GlslLoop> wanted;
     for (const GlslLoop& loop : findLoops(file.tokens))
       if (isWanted(file, loop)) wanted.push_back(loop);
     if (const GlslLoop* loop = firstInnermost(wanted))
-      return SourcePlace{file.path, file.tokens[loop->keyword].line, file.tokens[loop->keyword].column};
+      return SourceLocation{file.path, file.tokens[loop->keyword].line, file.tokens[loop->keyword].column};
   }
   return std::nullopt;
 }
 
 }  // namespace
 
-std::optional<SourcePlace> likelyPlace(const std::vector<ShaderSource>& good, const std::vector<ShaderSource>& edited) {
+std::optional<SourceLocation> likelyLocation(const std::vector<ShaderSource>& good,
+                                             const std::vector<ShaderSource>& edited) {
   if (good.empty()) return std::nullopt;
   const std::vector<EditedFile> files = editedFiles(good, edited);
   const auto hasNewHead = [](const EditedFile& file, const GlslLoop& loop) {
@@ -155,13 +156,13 @@ std::optional<SourcePlace> likelyPlace(const std::vector<ShaderSource>& good, co
   const auto hasChange = [](const EditedFile& file, const GlslLoop& loop) {
     return file.isChanged(loop.begin, loop.end);
   };
-  if (std::optional<SourcePlace> place = findLoop(files, hasNewHead)) return place;
-  if (std::optional<SourcePlace> place = findLoop(files, hasChange)) return place;
+  if (std::optional<SourceLocation> location = findLoop(files, hasNewHead)) return location;
+  if (std::optional<SourceLocation> location = findLoop(files, hasChange)) return location;
   for (const EditedFile& file : files) {
     if (file.lines.empty()) continue;  // nothing is left of it
     // Of lines that were taken out, where they stood.
     const CodeLine& line = file.lines[std::min(file.changes[0].first, file.lines.size() - 1)];
-    return SourcePlace{file.path, line.line, line.column};
+    return SourceLocation{file.path, line.line, line.column};
   }
   return std::nullopt;
 }

@@ -57,7 +57,7 @@ struct Attempt {
   std::deque<Message> answers;          // of the worker, that are not yet looked at
   std::optional<double> pictureCameAt;  // the first, coarse one
   std::optional<Refused> refused;       // and its endless loop is being looked for
-  std::optional<SourcePlace> loop;
+  std::optional<SourceLocation> loop;
   Consequences told;
   bool isPastCoarse = false;  // the next picture is the full one
   bool hasPicture = false;    // it is the last good version now
@@ -68,7 +68,7 @@ bool haveSameSize(const Image& a, const Image& b) {
 }
 
 std::string figuresJson(const Consequences& told) {
-  JsonText json;
+  JsonWriter json;
   json.object([&] { putConsequences(json, told); });
   return json.text();
 }
@@ -264,7 +264,7 @@ class Watching {
           break;
         case LoopFound::kind: {
           const LoopFound found = decode<LoopFound>(message);
-          attempt_->loop = SourcePlace{found.path, found.line, found.column};
+          attempt_->loop = SourceLocation{found.path, found.line, found.column};
           break;
         }
         case Finished::kind:
@@ -412,8 +412,8 @@ class Watching {
     if (refused.wrongInput) return text;
     if (attempt.loop) return faultAt(*attempt.loop) + text + "; this loop made too many turns";
     if (!good_ || attempt.hasPicture) return text;
-    const std::optional<SourcePlace> place = likelyPlace(good_->sources, attempt.sources);
-    return place ? faultAt(*place) + text + "; likely by what was changed here" : text;
+    const std::optional<SourceLocation> location = likelyLocation(good_->sources, attempt.sources);
+    return location ? faultAt(*location) + text + "; likely by what was changed here" : text;
   }
 
   // Ends the attempt without a picture; or without all figures, if it has one.

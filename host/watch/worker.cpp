@@ -117,11 +117,11 @@ class Worker {
     if (!renderer_) {
       begin(Step::open);
       const DeviceInfo device = plan_.chooseDevice();
-      renderer_ = std::make_unique<ShaderRenderer>(device, plan_.fetch);
+      renderer_ = std::make_unique<ShaderRenderer>(device, plan_.access);
       ready.device = device.name;
       ready.driver = device.driver;
       ready.deviceType = device.type;
-      ready.fetch = fetchName(renderer_->fetch());
+      ready.access = accessName(renderer_->access());
       ready.openSeconds = watch.lap();
     }
     if (job.reloadScene || !hasScene_) {
@@ -150,7 +150,7 @@ class Worker {
 
   Spirv compile(const std::vector<ShaderSource>& sources) {
     begin(Step::compile);
-    return compileGlsl(sources, fetchPreamble(renderer_->fetch()));
+    return compileGlsl(sources, accessPreamble(renderer_->access()));
   }
 
   void render(const Job& job) {
@@ -161,7 +161,7 @@ class Worker {
     Stopwatch watch;
     begin(Step::check);
     checkLayout(job.sources);
-    if (kernel.words != job.goodWords) checkKernel(kernel, job.sources, renderer_->fetch());
+    if (kernel.words != job.goodWords) checkKernel(kernel, job.sources, renderer_->access());
     compiled.checkSeconds = watch.lap();
     compiled.words = kernel.words;
     compiled.files = kernel.files;
@@ -221,8 +221,8 @@ class Worker {
     } catch (const PixelsMissing&) {
       // It tells of no loop.
     } catch (const LoopsCut& cut) {
-      if (const std::optional<SourcePlace> place = endlessLoop(probe, cut.count))
-        tell(LoopFound{job_, place->path, place->line, place->column});
+      if (const std::optional<SourceLocation> location = endlessLoop(probe, cut.count))
+        tell(LoopFound{job_, location->path, location->line, location->column});
     }
   }
 
@@ -263,7 +263,7 @@ class Worker {
   void stopIfCancelled() {
     while (const std::optional<Message> message = line_.receive())
       if (message->kind == Cancel::kind) cancelled_ = decode<Cancel>(*message).job == job_;
-    if (line_.isOver()) throw LineEnded();
+    if (line_.isFinished()) throw LineEnded();
     if (cancelled_) throw GivenUp();
   }
 

@@ -118,7 +118,7 @@ struct Options {
   std::vector<std::string> scenes;
   int runs = 5;
   std::string device, json, writeObj;
-  Fetch fetch = Fetch::automatic;
+  BufferAccess access = BufferAccess::automatic;
   double peakGflops = 0;  // 0: not told
   bool povray = false, everything = false, price = false;
   size_t priceRays = 1'000'000;
@@ -131,21 +131,21 @@ struct Options {
 class TurnerSide {
  public:
   // `everything`: a kernel with all features compiled in, whatever the scene needs.
-  TurnerSide(const DeviceInfo& device, Fetch fetch, bool everything = false)
-      : device_(device), renderer_(device, fetch), everything_(everything) {}
+  TurnerSide(const DeviceInfo& device, BufferAccess access, bool everything = false)
+      : device_(device), renderer_(device, access), everything_(everything) {}
   const DeviceInfo& device() const { return device_; }
-  Fetch fetch() const { return renderer_.fetch(); }
+  BufferAccess access() const { return renderer_.access(); }
 
   struct Built {
-    double seconds = 0;  // of shapesOf, buildBvh and packScene
+    double seconds = 0;  // of prepareGeometry, buildBvh and packScene
     size_t bytes = 0;    // on the device
   };
   // Throws InputError when the device cannot take the scene.
   Built build(Scene local, const RenderSettings& settings) {
     const Clock::time_point start = Clock::now();
-    const Shapes shapes = shapesOf(std::move(local));
-    PackedScene packed = packScene(shapes, buildBvh(shapes.boxes, shapes.firstPair()), settings,
-                                   everything_ ? Cubes::mixedLists : Cubes::lists);
+    const PreparedGeometry prepared = prepareGeometry(std::move(local));
+    PackedScene packed = packScene(prepared, buildBvh(prepared.boxes, prepared.firstPair()), settings,
+                                   everything_ ? TraversalStart::mixedLists : TraversalStart::lists);
     if (everything_)
       packed.features = {.lights = packed.features.lights,
                          .spheres = true,
@@ -157,7 +157,7 @@ class TurnerSide {
                          .falloff = true,
                          .nearSpheres = true,
                          .farSpheres = true,
-                         .solids = true,
+                         .dielectrics = true,
                          .nearestNodes = true,
                          .shadowNodes = true};
     const Built built{secondsSince(start), packed.bytes()};
@@ -171,7 +171,7 @@ class TurnerSide {
   DeviceInfo device_;
   ShaderRenderer renderer_;
   bool everything_;
-  Spirv kernel_ = compileGlsl(TURNER_SHADERS_DIR "/whitted.comp", fetchPreamble(renderer_.fetch()));
+  Spirv kernel_ = compileGlsl(TURNER_SHADERS_DIR "/whitted.comp", accessPreamble(renderer_.access()));
 };
 
 // ---- Scenes ----
@@ -510,11 +510,11 @@ void writeMeasurement(JsonFile& json, const Measurement& m) {
 }
 
 std::string benchJson(const std::vector<Measurement>& measurements, const Summary& summary, const DeviceInfo& device,
-                      const std::string& fetch, int runs) {
+                      const std::string& access, int runs) {
   JsonFile json;
   json.object(nullptr, [&] {
     json.put("device", device.name);
-    json.put("fetch", fetch);
+    json.put("fetch", access);
     json.put("driver", device.driver);
     json.put("cpu", cpuModel());
     json.put("embree", embreeVersion());
@@ -562,7 +562,7 @@ int priceOfRobustness(const Options& options) {
   const DeviceInfo device = wantedDevice(options);
   fmt::print("device: {} ({})\nCPU: {}\n{} interleaved runs at {} x {}, depth {}\n\n", device.name, device.driver,
              cpuModel(), options.runs, picture.width, picture.height, kDepth);
-  const std::string json = price(scenes, {device, options.fetch, picture, options.runs, options.priceRays});
+  const std::string json = price(scenes, {device, options.access, picture, options.runs, options.priceRays});
   if (!options.json.empty()) writeWholeFile(options.json, json);
   return 0;
 }
@@ -571,13 +571,13 @@ int bench(const Options& options) {
   if (!options.json.empty()) checkWritable(options.json);
   const std::vector<BenchScene> scenes = chooseScenes(options);
   const DeviceInfo device = wantedDevice(options);
-  TurnerSide turner(device, options.fetch);
+  TurnerSide turner(device, options.access);
   fmt::print("device: {} ({}), fetching {}\nCPU: {}\nEmbree {}\n{} interleaved runs, depth {}\n\n", device.name,
-             device.driver, fetchName(turner.fetch()), cpuModel(), embreeVersion(), options.runs, kDepth);
+             device.driver, accessName(turner.access()), cpuModel(), embreeVersion(), options.runs, kDepth);
   printHead(options.povray);
 
   std::optional<TurnerSide> general;
-  if (options.everything) general.emplace(device, options.fetch, true);
+  if (options.everything) general.emplace(device, options.access, true);
   std::vector<Measurement> measurements;
   bool agree = true;
   for (const BenchScene& scene : scenes) {
@@ -603,7 +603,7 @@ int bench(const Options& options) {
   for (const Measurement& m : measurements)
     if (m.povray.seconds) fmt::print("POV-Ray on {}: {}\n", m.scene, m.povray.clock);
   if (!options.json.empty())
-    writeWholeFile(options.json, benchJson(measurements, summary, device, fetchName(turner.fetch()), options.runs));
+    writeWholeFile(options.json, benchJson(measurements, summary, device, accessName(turner.access()), options.runs));
   if (!agree) throw RunError("the two tracers have not done the same work: see above");
   return 0;
 }
@@ -616,10 +616,12 @@ int run(int argc, char** argv) {
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   app.add_option("--device", options.device, "Vulkan device: index, or part of its name");
-  app.add_option("--fetch", options.fetch,
+  app.add_option("--fetch", options.access,
                  "How the kernel fetches: texels, buffers or addresses (default: the device's)")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, Fetch>{
-          {"texels", Fetch::texels}, {"buffers", Fetch::buffers}, {"addresses", Fetch::addresses}}));
+      ->transform(
+          CLI::CheckedTransformer(std::map<std::string, BufferAccess>{{"texels", BufferAccess::texelBuffer},
+                                                                      {"buffers", BufferAccess::storageBuffer},
+                                                                      {"addresses", BufferAccess::deviceAddress}}));
   app.add_option("--peak-gflops", options.peakGflops, "The device's peak float32 arithmetic, for the roofline");
   app.add_option("--json", options.json, "File for all figures");
   app.add_flag("--povray", options.povray, "Measure POV-Ray too, on NFF scenes");

@@ -122,7 +122,7 @@ void attachTriangles(RTCDevice device, RTCScene scene, const std::vector<Triangl
 
 struct FloatMaterial {
   vec3 diffuse, specular;
-  float shininess, reflect, transmit, ior, localWeight;
+  float shininess, reflect, transmit, eta, localWeight;
   bool shades;      // reflects light by itself, so that its lights are looked at
   bool highlights;  // k_s is not 0
 };
@@ -218,7 +218,7 @@ Shading::Shading(const Scene& local) : background(local.background) {
                 float(m.shininess),
                 float(m.reflect),
                 float(m.transmit),
-                float(m.ior),
+                float(m.eta),
                 float(m.localWeight),
                 false,
                 false};
@@ -293,7 +293,7 @@ class Tracer {
     float r = material.reflect;
     if (material.transmit > 0) {
       vec3 T;
-      const float eta = surface.front ? 1 / material.ior : material.ior;
+      const float eta = surface.front ? 1 / material.eta : material.eta;
       bool passes = refracted(d, surface.Ns, eta, T);
       if (passes && glm::dot(T, surface.Ng) >= 0) passes = refracted(d, surface.Ng, eta, T);
       if (passes) {

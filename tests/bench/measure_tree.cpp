@@ -79,9 +79,11 @@ double traceSeconds(const PackedScene& scene, const RenderSettings& settings, Im
 void measure(const std::string& name, const Scene& scene) {
   RenderSettings settings = test::settingsOf(scene, 512, 512);
   settings.crop = {160, 224, 224, 288};
-  const Shapes shapes = shapesOf(roundScene(scene));
-  const PackedScene tree = packScene(shapes, buildBvh(shapes.boxes, shapes.firstPair()), settings, Cubes::wholeTree);
-  const PackedScene list = packScene(shapes, listOf(shapes.boxes, shapes.firstPair()), settings, Cubes::wholeTree);
+  const PreparedGeometry prepared = prepareGeometry(roundScene(scene));
+  const PackedScene tree =
+      packScene(prepared, buildBvh(prepared.boxes, prepared.firstPair()), settings, TraversalStart::wholeTree);
+  const PackedScene list =
+      packScene(prepared, listOf(prepared.boxes, prepared.firstPair()), settings, TraversalStart::wholeTree);
   Image treeImage, listImage;
   const double treeSeconds = traceSeconds(tree, settings, treeImage);
   const double rays = double(test::renderer().countVisits(test::kernel(), settings).rays.total());

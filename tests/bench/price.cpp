@@ -55,17 +55,17 @@ std::vector<Switch> allSwitches() {
   const Replacement start{"start of a ray", "shade.glsl",
                           "surface.point + step * direction + (surface.margin - step * cosine) * away;",
                           "surface.point;"};
-  const Replacement leaving{"what a ray leaves", "shade.glsl", "primitive | (inward ? kLeavesInward : 0u)", "kRefNone"};
+  const Replacement leaving{"what a ray leaves", "shade.glsl", "primitive | (inward ? kStartsInward : 0u)", "kRefNone"};
   const std::string numerics = "// Arithmetic where plain float32 is not enough.";
-  const Replacement precise{"head of numerics", "numerics.glsl", numerics, "#define precise\n" + numerics};
+  const Replacement precise{"head of numerics", "float_float.glsl", numerics, "#define precise\n" + numerics};
   std::vector<Replacement> slabs =
       replaceFunction("traverse.glsl", "float", "enterBox", "vec3 planesAt(", "plain_slabs.glsl");
   slabs.push_back(safeInverse);
   return {
       {.name = "watertight edge test",
        .without = "Möller and Trumbore's",
-       .replacements =
-           replaceFunction("traverse.glsl", "Meeting", "meetPair", "bool visitShape(", "moeller_trumbore.glsl"),
+       .replacements = replaceFunction("traverse.glsl", "Meeting", "intersectTrianglePair", "bool intersectPrimitive(",
+                                       "moeller_trumbore.glsl"),
        .matters = [](const Features& features) { return features.triangles; },
        .failures = {leaksOfIcosphere}},
       {.name = "widened slabs, padded boxes",
@@ -98,7 +98,7 @@ std::vector<Switch> allSwitches() {
        .without = "neither",
        .replacements = {start, leaving},
        // With neither a ray would pass the same hidden wall for ever: the render ends with an error.
-       .matters = [](const Features& features) { return !features.solids; },
+       .matters = [](const Features& features) { return !features.dielectrics; },
        .failures = {falseSelfHits}},
       {.name = "precise",
        .without = "left out",
@@ -112,8 +112,8 @@ std::vector<Switch> allSwitches() {
        .failures = {wrongRefraction}},
       {.name = "solids of glass in one another",
        .without = "a hit on the front enters from air",
-       .replacements = {forceOff("SOLIDS", "kSpecSolids")},
-       .matters = [](const Features& features) { return features.solids; },
+       .replacements = {forceOff("NESTED_DIELECTRICS", "kSpecNestedDielectrics")},
+       .matters = [](const Features& features) { return features.dielectrics; },
        .failures = {wrongInNestedGlass}},
       // How far two equal kernels come apart: what is nearer to 1 is noise.
       {.name = "nothing: a control", .without = "the same kernel", .matters = always},
@@ -128,13 +128,13 @@ class Kernel {
   Kernel(const PriceSettings& settings, const Switch* without)
       : without_(without),
         sources_(without ? std::span<const Replacement>(without->replacements) : std::span<const Replacement>()),
-        renderer_(settings.device, settings.fetch),
-        spirv_(compileGlsl(sources_.folder() + "/shaders/whitted.comp", fetchPreamble(renderer_.fetch()))) {}
+        renderer_(settings.device, settings.access),
+        spirv_(compileGlsl(sources_.folder() + "/shaders/whitted.comp", accessPreamble(renderer_.access()))) {}
 
   Features upload(const Scene& local, const RenderSettings& picture) {
-    Shapes shapes = shapesOf(local);
-    if (hasExactBoxes()) shapes.boxes = exactBoxes(shapes);
-    const PackedScene packed = packScene(shapes, buildBvh(shapes.boxes, shapes.firstPair()), picture);
+    PreparedGeometry prepared = prepareGeometry(local);
+    if (hasExactBoxes()) prepared.boxes = exactBoxes(prepared);
+    const PackedScene packed = packScene(prepared, buildBvh(prepared.boxes, prepared.firstPair()), picture);
     renderer_.upload(packed);
     return packed.features;
   }
@@ -308,7 +308,7 @@ std::vector<PricedScene> extremeScenes() {
   Scene nested;
   nested.background = {0.4, 0.5, 0.65};
   nested.materials = {{.name = "glass", .reflect = 0.1, .transmit = 0.9, .localWeight = 0},
-                      {.name = "water", .reflect = 0.05, .transmit = 0.95, .ior = 1.333, .localWeight = 0},
+                      {.name = "water", .reflect = 0.05, .transmit = 0.95, .eta = 1.333, .localWeight = 0},
                       {.name = "ground", .diffuse = {0.5, 0.5, 0.4}}};
   for (int i = 0; i < 5; ++i)
     for (const double radius : {1.0, 0.8})

@@ -19,7 +19,7 @@ struct PricedScene {
 
 struct PriceSettings {
   DeviceInfo device;
-  Fetch fetch = Fetch::automatic;
+  BufferAccess access = BufferAccess::automatic;
   RenderSettings picture;
   int runs = 5;           // of each kernel, in turn
   size_t rays = 1000000;  // of each measurement of failures

@@ -65,7 +65,7 @@ Bvh treeOfEverything(std::span<const Box> boxes, size_t firstOfSecondKind, const
 
 void setScene(const Trial& trial, const Scene& scene) {
   if (!trial.exactBoxes) return trial.kernels.setScene(scene);
-  const std::vector<Box> boxes = exactBoxes(shapesOf(roundScene(scene)));
+  const std::vector<Box> boxes = exactBoxes(prepareGeometry(roundScene(scene)));
   trial.kernels.setScene(scene, [&](std::span<const Box>, size_t firstOfSecondKind, const BvhLimits& limits) {
     return buildBvh(boxes, firstOfSecondKind, limits);
   });
@@ -159,16 +159,16 @@ TestRay rayAtGround(const Scene&, Random& random) {
 
 }  // namespace
 
-std::vector<Box> exactBoxes(const Shapes& shapes) {
+std::vector<Box> exactBoxes(const PreparedGeometry& prepared) {
   std::vector<Box> boxes;
-  for (const Sphere& sphere : shapes.scene.spheres) {
+  for (const Sphere& sphere : prepared.scene.spheres) {
     const double radius = std::abs(sphere.radius);
     boxes.push_back({vec3(sphere.center - radius), vec3(sphere.center + radius)});
   }
-  for (const TrianglePair& pair : shapes.pairs) {
+  for (const TrianglePair& pair : prepared.pairs) {
     Box box{vec3(INFINITY), vec3(-INFINITY)};
     const auto add = [&](uint32_t triangle) {
-      for (const dvec3& vertex : shapes.scene.triangles[triangle].vertices) {
+      for (const dvec3& vertex : prepared.scene.triangles[triangle].vertices) {
         box.lo = glm::min(box.lo, vec3(vertex));
         box.hi = glm::max(box.hi, vec3(vertex));
       }
@@ -259,9 +259,9 @@ std::vector<Failures> falseSelfHits(const Trial& trial) {
 
 std::vector<Failures> wrongRefraction(const Trial& trial) {
   // A pane whose normal float has exactly: the errors are those of Snell's law.
-  const double ior = 1.5, critical = std::asin(1 / ior);
+  const double eta = 1.5, critical = std::asin(1 / eta);
   Scene scene = emptyScene();
-  scene.materials = {Material{.transmit = 1, .ior = ior}};
+  scene.materials = {Material{.transmit = 1, .eta = eta}};
   scene.triangles = {{{dvec3(-8, -8, -2), dvec3(8, -8, -2), dvec3(0, 12, -2)}}};
   trial.kernels.setScene(scene);
   Random random(29);
@@ -277,7 +277,7 @@ std::vector<Failures> wrongRefraction(const Trial& trial) {
     const std::vector<Found> found = trial.kernels.trace(queries);
     for (size_t i = 0; i < count; ++i) {
       const dvec3 d(queries[i].ray.direction), T(found[i].leaving.direction);
-      const double sine2 = (d.x * d.x + d.y * d.y) / glm::dot(d, d), cosine2 = 1 - ior * ior * sine2;
+      const double sine2 = (d.x * d.x + d.y * d.y) / glm::dot(d, d), cosine2 = 1 - eta * eta * sine2;
       if (std::abs(std::asin(std::sqrt(sine2)) - critical) < 1e-6) continue;
       wrong += !found[i].hits() || found[i].leaves != (cosine2 > 0);
       if (!found[i].leaves || cosine2 <= 0) continue;
@@ -296,7 +296,7 @@ std::vector<Failures> wrongInNestedGlass(const Trial& trial) {
   const double glass = 1.5, water = 1.25, inner = 0.5;
   const dvec3 middle(0, 0, -4);
   Scene scene = emptyScene();
-  scene.materials = {Material{.transmit = 1, .ior = glass}, Material{.transmit = 1, .ior = water}};
+  scene.materials = {Material{.transmit = 1, .eta = glass}, Material{.transmit = 1, .eta = water}};
   scene.spheres = {{middle, 1, 0}, {middle, inner, 1}};
   trial.kernels.setScene(scene);
   Random random(35);

@@ -34,6 +34,6 @@ std::vector<Failures> wrongRefraction(const Trial& trial);
 std::vector<Failures> wrongInNestedGlass(const Trial& trial);
 
 // The boxes of shapes without padding, rounded to the nearest float.
-std::vector<Box> exactBoxes(const Shapes& shapes);
+std::vector<Box> exactBoxes(const PreparedGeometry& prepared);
 
 }  // namespace turner::test

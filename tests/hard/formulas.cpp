@@ -52,7 +52,8 @@ Formulas::Formulas() : parts_(std::make_unique<Parts>()) {
                                                      storageBuffer(gpu::kBindLitFound)};
   parts_->setLayout.emplace(device, vk::DescriptorSetLayoutCreateInfo({}, bindings));
   parts_->layout.emplace(device, vk::PipelineLayoutCreateInfo({}, **parts_->setLayout));
-  const Spirv spirv = compileGlsl(TURNER_TESTS_DIR "/hard/kernels/formulas.comp", fetchPreamble(Fetch::buffers));
+  const Spirv spirv =
+      compileGlsl(TURNER_TESTS_DIR "/hard/kernels/formulas.comp", accessPreamble(BufferAccess::storageBuffer));
   const vk::raii::ShaderModule module(device, vk::ShaderModuleCreateInfo({}, spirv.words));
   parts_->turner = parts_->makePipeline(module, 0);
   parts_->naive = parts_->makePipeline(module, 1);

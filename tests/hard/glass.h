@@ -13,10 +13,10 @@ namespace turner::hard {
 inline constexpr double kIor = 1.5;  // of most glass here; float32 has it exactly
 
 // An eye and a target at a distance of exactly 1, so that local coordinates are those of the world less the eye.
-inline Scene sceneSeenFrom(const dvec3& eye, double ior) {
+inline Scene sceneSeenFrom(const dvec3& eye, double eta) {
   Scene scene;
   scene.camera = {.eye = eye, .target = eye + dvec3(0, 0, 1)};
-  closed_form::addMaterial(scene, closed_form::glass(0, 1, ior));
+  closed_form::addMaterial(scene, closed_form::glass(0, 1, eta));
   return scene;
 }
 

@@ -43,13 +43,13 @@ Row rowOf(const glm::vec3& v, uint w) {
   return {v.x, v.y, v.z, w};
 }
 
-Fetch fetchOf(const Device& device) {
-  return device.canFetch(Fetch::texels) ? Fetch::texels : Fetch::buffers;
+BufferAccess accessOf(const Device& device) {
+  return device.canAccess(BufferAccess::texelBuffer) ? BufferAccess::texelBuffer : BufferAccess::storageBuffer;
 }
 
-vk::DescriptorType typeOf(uint binding, Fetch fetch) {
-  return binding >= gpu::kBindNodes && fetch == Fetch::texels ? vk::DescriptorType::eStorageTexelBuffer
-                                                              : vk::DescriptorType::eStorageBuffer;
+vk::DescriptorType typeOf(uint binding, BufferAccess access) {
+  return binding >= gpu::kBindNodes && access == BufferAccess::texelBuffer ? vk::DescriptorType::eStorageTexelBuffer
+                                                                           : vk::DescriptorType::eStorageBuffer;
 }
 
 bool isBound(uint binding) {
@@ -57,11 +57,11 @@ bool isBound(uint binding) {
          binding >= gpu::kBindNodes;
 }
 
-Kernel makeKernel(const Device& device, Fetch fetch, const std::string& path, const Features& features) {
-  const Spirv spirv = compileGlsl(path, fetchPreamble(fetch));
+Kernel makeKernel(const Device& device, BufferAccess access, const std::string& path, const Features& features) {
+  const Spirv spirv = compileGlsl(path, accessPreamble(access));
   std::vector<vk::DescriptorSetLayoutBinding> bindings;
   for (uint i = 0; i < gpu::kBindCount; ++i)
-    if (isBound(i)) bindings.push_back({i, typeOf(i, fetch), 1, vk::ShaderStageFlagBits::eCompute});
+    if (isBound(i)) bindings.push_back({i, typeOf(i, access), 1, vk::ShaderStageFlagBits::eCompute});
 
   // The step has all that a scene may need, but kinds of primitives that it lacks and what follows from the scene.
   struct Constant {
@@ -75,7 +75,7 @@ Kernel makeKernel(const Device& device, Fetch fetch, const std::string& path, co
       {gpu::kSpecSmoothNormals, features.smoothNormals},
       {gpu::kSpecNearSpheres, features.nearSpheres},
       {gpu::kSpecFarSpheres, features.farSpheres},
-      {gpu::kSpecSolids, features.solids},
+      {gpu::kSpecNestedDielectrics, features.dielectrics},
   };
   std::vector<vk::SpecializationMapEntry> entries;
   for (size_t i = 0; i < constants.size(); ++i)
@@ -147,7 +147,7 @@ struct Kernels::Parts {
 
   Device device;
   std::string kernels;  // the folder of their sources
-  Fetch fetch = fetchOf(device);
+  BufferAccess access = accessOf(device);
   Scene local;
   std::vector<uint32_t> ids;  // of primitives, by their precedence
   Features features;
@@ -162,7 +162,7 @@ struct Kernels::Parts {
   void setArray(Rows& rows, uint binding, std::span<const std::byte> bytes) const {
     Buffer& buffer = rows.arrays[binding - gpu::kBindNodes];
     buffer = {};
-    buffer = device.uploadRows(bytes, fetch, "rows " + std::to_string(binding));
+    buffer = device.uploadRows(bytes, access, "rows " + std::to_string(binding));
   }
   void bind(const Kernel& kernel, const Rows& rows, const Buffer& frame, const Buffer& in);
 };
@@ -183,7 +183,7 @@ void Kernels::Parts::bind(const Kernel& kernel, const Rows& rows, const Buffer& 
                            : i == gpu::kBindGiven ? in
                            : i == gpu::kBindFound ? found
                                                   : rows.arrays[i - gpu::kBindNodes];
-    vk::WriteDescriptorSet write(**set, i, 0, 1, typeOf(i, fetch));
+    vk::WriteDescriptorSet write(**set, i, 0, 1, typeOf(i, access));
     if (write.descriptorType == vk::DescriptorType::eStorageTexelBuffer) write.pTexelBufferView = &**buffer.texels;
     infos[i] = vk::DescriptorBufferInfo(**buffer.buffer, 0, i == gpu::kBindGiven ? in.size : buffer.size);
     write.pBufferInfo = &infos[i];
@@ -195,7 +195,7 @@ void Kernels::Parts::bind(const Kernel& kernel, const Rows& rows, const Buffer& 
 Kernels::Kernels() : Kernels(chooseDevice(listDevices(), test::wantedDevice()), TURNER_TESTS_DIR "/..") {}
 Kernels::Kernels(const DeviceInfo& device, const std::string& folder)
     : parts_(std::make_unique<Parts>(device, folder)) {
-  parts_->naiveStep = makeKernel(parts_->device, parts_->fetch, parts_->kernels + "naive.comp", {});
+  parts_->naiveStep = makeKernel(parts_->device, parts_->access, parts_->kernels + "naive.comp", {});
 }
 Kernels::~Kernels() = default;
 
@@ -207,8 +207,8 @@ const Scene& Kernels::local() const {
   return parts_->local;
 }
 
-std::array<uint32_t, 4> Kernels::solidsAroundEye() const {
-  return std::bit_cast<std::array<uint, 4>>(parts_->turner.frame.solids);
+std::array<uint32_t, 4> Kernels::mediaAroundEye() const {
+  return std::bit_cast<std::array<uint, 4>>(parts_->turner.frame.media);
 }
 
 void Kernels::setLeastDistance(float least) {
@@ -223,13 +223,14 @@ void Kernels::setScene(const Scene& world, const BuildTree& build) {
   Parts& parts = *parts_;
   Scene local = roundScene(world);
   checkReach(local);
-  const Shapes shapes = shapesOf(local);
+  const PreparedGeometry prepared = prepareGeometry(local);
   RenderSettings settings;
   settings.width = settings.height = 8;
   settings.crop = {0, 0, 8, 8};
-  const PackedScene packed = packScene(shapes, build(shapes.boxes, shapes.firstPair(), {}), settings, Cubes::wholeTree);
+  const PackedScene packed =
+      packScene(prepared, build(prepared.boxes, prepared.firstPair(), {}), settings, TraversalStart::wholeTree);
   parts.features = packed.features;
-  const std::vector<uint> order = precedences(shapes);
+  const std::vector<uint> order = tieBreakRanks(prepared);
   parts.ids.resize(order.size());
   for (uint id = 0; id < order.size(); ++id) parts.ids[order[id]] = id;
   parts.turner.frame = packFrame(packed.view, settings, 1);
@@ -241,7 +242,7 @@ void Kernels::setScene(const Scene& world, const BuildTree& build) {
   set(gpu::kBindVertexNormals, bytesOf(packed.vertexNormals));
   set(gpu::kBindMaterials, bytesOf(packed.materials));
   set(gpu::kBindLights, bytesOf(packed.lights));
-  set(gpu::kBindCubes, bytesOf(packed.cubes));
+  set(gpu::kBindLightBuffers, bytesOf(packed.lightBuffers));
 
   const NaiveScene naive = naiveScene(local);
   for (uint i = gpu::kBindNodes; i < gpu::kBindCount; ++i) parts.setArray(parts.naive, i, {});
@@ -252,8 +253,8 @@ void Kernels::setScene(const Scene& world, const BuildTree& build) {
 
   const Features &a = parts.features, &b = parts.stepFeatures;
   if (!parts.step || a.spheres != b.spheres || a.triangles != b.triangles || a.smoothNormals != b.smoothNormals ||
-      a.nearSpheres != b.nearSpheres || a.farSpheres != b.farSpheres || a.solids != b.solids) {
-    parts.step = makeKernel(parts.device, parts.fetch, parts.kernels + "step.comp", parts.features);
+      a.nearSpheres != b.nearSpheres || a.farSpheres != b.farSpheres || a.dielectrics != b.dielectrics) {
+    parts.step = makeKernel(parts.device, parts.access, parts.kernels + "step.comp", parts.features);
     parts.stepFeatures = parts.features;
   }
   parts.local = std::move(local);
@@ -275,7 +276,7 @@ std::vector<Found> Kernels::trace(std::span<const Query> queries, Tracer tracer)
       given[gpu::kGivenRows * i + gpu::kGivenOrigin] = rowOf(query.ray.origin, query.ray.leaving);
       given[gpu::kGivenRows * i + gpu::kGivenDirection] = rowOf(query.ray.direction, std::bit_cast<uint>(query.end));
       given[gpu::kGivenRows * i + gpu::kGivenNext] = rowOf(query.target, uint(query.next));
-      given[gpu::kGivenRows * i + gpu::kGivenSolids] = std::bit_cast<Row>(query.ray.solids);
+      given[gpu::kGivenRows * i + gpu::kGivenSolids] = std::bit_cast<Row>(query.ray.dielectrics);
     }
     // The kernel takes the number of its rays from the size of this binding.
     Buffer bound;

@@ -24,8 +24,8 @@ inline constexpr uint32_t kNothing = UINT32_MAX;
 struct TestRay {
   glm::vec3 origin{0};
   glm::vec3 direction{0, 0, 1};
-  uint32_t leaving = kNothing;          // what Found::leaving says; kNothing: it starts in the open
-  std::array<uint32_t, 4> solids = {};  // that it is in, as the kernel has them
+  uint32_t leaving = kNothing;               // what Found::leaving says; kNothing: it starts in the open
+  std::array<uint32_t, 4> dielectrics = {};  // that it is in, as the kernel has them
 };
 
 // What becomes of a ray at its nearest hit.
@@ -74,7 +74,7 @@ class Kernels {
   // What the kernel has: the result of roundScene.
   const Scene& local() const;
   // The solids that its eye is in, as a ray has them.
-  std::array<uint32_t, 4> solidsAroundEye() const;
+  std::array<uint32_t, 4> mediaAroundEye() const;
   // For the naive tracer: hits at this distance or nearer do not count.
   void setLeastDistance(float least);
 

@@ -578,8 +578,8 @@ Scene turned(Scene scene) {
 
 Image renderWithMedianTree(const Scene& scene, int size) {
   const RenderSettings settings = test::settingsOf(scene, size, size);
-  const Shapes shapes = shapesOf(roundScene(scene));
-  test::renderer().upload(packScene(shapes, buildMedianBvh(shapes.boxes, shapes.firstPair()), settings));
+  const PreparedGeometry prepared = prepareGeometry(roundScene(scene));
+  test::renderer().upload(packScene(prepared, buildMedianBvh(prepared.boxes, prepared.firstPair()), settings));
   return test::renderer().render(test::kernel(), settings).image;
 }
 

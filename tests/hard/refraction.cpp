@@ -223,8 +223,8 @@ void glassSphere(const Bench& bench, Report& report) {
 void indexOne(const Bench& bench, Report& report) {
   Random random = bench.random(31);
   bench.kernels.setLeastDistance(kUsualEpsilon);
-  for (const double ior : {1.0, 1 + 1e-6, 1 - 1e-6}) {
-    Scene scene = sceneSeenFrom({0.25, 0.5, -2.5}, ior);
+  for (const double eta : {1.0, 1 + 1e-6, 1 - 1e-6}) {
+    Scene scene = sceneSeenFrom({0.25, 0.5, -2.5}, eta);
     scene.spheres.push_back({{0, 0, 0}, 1});
     bench.kernels.setScene(scene);
     const Sphere& ball = bench.kernels.local().spheres[0];
@@ -242,7 +242,7 @@ void indexOne(const Bench& bench, Report& report) {
       }
     });
     report.atMost(
-        fmt::format("index {}: rays of {:.2g} that do not go straight through, impact ≤ 0.999", ior, double(total)),
+        fmt::format("index {}: rays of {:.2g} that do not go straight through, impact ≤ 0.999", eta, double(total)),
         double(wrong.turner), 0, double(wrong.naive));
   }
 

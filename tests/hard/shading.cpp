@@ -318,8 +318,8 @@ std::vector<Fault> listedFaults() {
   }
   for (const std::string radius : {"0", "-1", "-0.0", "1e-400"})
     faults.push_back({"json", "\"radius\": 1", "\"radius\": " + radius, "spheres[0].radius"});
-  for (const std::string ior : {"0", "-1.5"})
-    faults.push_back({"json", "\"ior\": 1.5", "\"ior\": " + ior, "materials.glass.ior"});
+  for (const std::string eta : {"0", "-1.5"})
+    faults.push_back({"json", "\"ior\": 1.5", "\"ior\": " + eta, "materials.glass.ior"});
   for (const std::string fov : {"0", "180", "-40", "1e9"})
     faults.push_back({"json", "\"fov\": 40", "\"fov\": " + fov, "camera.fov"});
   for (const std::string size : {"0", "-8", "7.5", "65537", "1e12", "\"8\""}) {
@@ -452,7 +452,7 @@ bool isSound(const Scene& scene) {
   for (const Light& light : scene.lights) sound = sound && finite(light.position) && finite(light.color);
   for (const Material& m : scene.materials)
     sound = sound && finite(m.diffuse) && finite(m.specular) && m.shininess >= 0 && std::isfinite(m.shininess) &&
-            m.reflect >= 0 && m.transmit >= 0 && (m.transmit == 0 || (m.ior > 0 && std::isfinite(m.ior)));
+            m.reflect >= 0 && m.transmit >= 0 && (m.transmit == 0 || (m.eta > 0 && std::isfinite(m.eta)));
   for (const Sphere& sphere : scene.spheres)
     sound = sound && finite(sphere.center) && sphere.radius != 0 && std::isfinite(sphere.radius) &&
             sphere.material < scene.materials.size();
@@ -764,12 +764,12 @@ void addDiffering(const Scene& scene, const RenderSettings& settings, int repeat
     differing.byDispatching += render(dispatching);
   for (int i = 0; i < repeats; ++i) differing.byRepeating += render({});
 
-  const Shapes shapes = shapesOf(roundScene(scene));
-  const ShuffledTree shuffled(shapes.boxes, shapes.firstPair(), random);
-  for (const Bvh& bvh :
-       {buildBvh(shapes.boxes, shapes.firstPair()), buildMedianBvh(shapes.boxes, shapes.firstPair()), shuffled.bvh()})
-    for (const Cubes cubes : {Cubes::lists, Cubes::wholeTree}) {
-      test::renderer().upload(packScene(shapes, bvh, settings, cubes));
+  const PreparedGeometry prepared = prepareGeometry(roundScene(scene));
+  const ShuffledTree shuffled(prepared.boxes, prepared.firstPair(), random);
+  for (const Bvh& bvh : {buildBvh(prepared.boxes, prepared.firstPair()),
+                         buildMedianBvh(prepared.boxes, prepared.firstPair()), shuffled.bvh()})
+    for (const TraversalStart cubes : {TraversalStart::lists, TraversalStart::wholeTree}) {
+      test::renderer().upload(packScene(prepared, bvh, settings, cubes));
       differing.byTree += render({});
     }
 }

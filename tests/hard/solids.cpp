@@ -22,8 +22,8 @@ using closed_form::addMaterial, closed_form::kDegree;
 
 constexpr double kWater = 1.25;  // float32 has it exactly
 
-uint32_t addGlass(Scene& scene, double ior) {
-  return addMaterial(scene, closed_form::glass(0, 1, ior));
+uint32_t addGlass(Scene& scene, double eta) {
+  return addMaterial(scene, closed_form::glass(0, 1, eta));
 }
 
 // Follows all rays to their end, or for so many walls.
@@ -36,23 +36,23 @@ std::vector<Journey> followed(Kernels& kernels, const std::vector<TestRay>& rays
 // ---- Concentric balls ----
 
 struct Shell {
-  double radius, ior;  // of what is inside it, up to the next shell
+  double radius, eta;  // of what is inside it, up to the next shell
 };
 
 // On a ray b = n r sin(angle) is the same in all shells (Bouguer), and every surface turns it by the difference of its
 // angles: once on the way in and once on the way out.
 double deviationThrough(const std::vector<Shell>& shells, double b) {
   double deviation = 0, before = 1;
-  for (const auto& [radius, ior] : shells) {
-    deviation += 2 * (std::asin(b / (before * radius)) - std::asin(b / (ior * radius)));
-    before = ior;
+  for (const auto& [radius, eta] : shells) {
+    deviation += 2 * (std::asin(b / (before * radius)) - std::asin(b / (eta * radius)));
+    before = eta;
   }
   return deviation;
 }
 
 Scene concentric(const std::vector<Shell>& balls) {
   Scene scene = sceneSeenFrom({1.25, 0.75, 2.5}, kIor);
-  for (const auto& [radius, ior] : balls) scene.spheres.push_back({{0, 0, 0}, radius, addGlass(scene, ior)});
+  for (const auto& [radius, eta] : balls) scene.spheres.push_back({{0, 0, 0}, radius, addGlass(scene, eta)});
   return scene;
 }
 
@@ -188,7 +188,7 @@ void reportOverlap(const Bench& bench, Random& random, const std::string& what, 
 // ---- Blocks that share a face ----
 
 struct Touching {
-  double ior, otherIor;
+  double eta, otherIor;
   double gap = 0;        // between the blocks; what float32 cannot tell from nothing, or an overlap
   double innermost = 0;  // index of a third block in the other, which shares the face; 0: there is none
 };
@@ -197,7 +197,7 @@ struct Touching {
 // rounding. Light goes from one to the other as if there were nothing between them but the change of index. The eye is
 // in the block that it comes from, so that its solids are the rays'.
 void reportTouching(const Bench& bench, Random& random, const Touching& blocks, Report& report) {
-  const double ior = blocks.ior, seen = blocks.innermost > 0 ? blocks.innermost : blocks.otherIor;
+  const double eta = blocks.eta, seen = blocks.innermost > 0 ? blocks.innermost : blocks.otherIor;
   Both<Worst> error;
   Both<size_t> otherPath;
   const size_t total = bench.effort.rays(1e6, 2e4);
@@ -205,7 +205,7 @@ void reportTouching(const Bench& bench, Random& random, const Touching& blocks, 
     const dvec3 n = randomDirection(random), a = anywhereAcross(n, random), b = glm::cross(n, a);
     const dvec3 middle(uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1));
     Scene scene;
-    const uint32_t from = addGlass(scene, ior), to = addGlass(scene, blocks.otherIor);
+    const uint32_t from = addGlass(scene, eta), to = addGlass(scene, blocks.otherIor);
     addParallelepiped(scene, middle - 0.5 * (a + b) - (1 + blocks.gap) * n, a, b, n, from);
     addParallelepiped(scene, middle - 0.6 * (a + b), 1.2 * a, 1.2 * b, n, to);
     if (blocks.innermost > 0)
@@ -217,23 +217,23 @@ void reportTouching(const Bench& bench, Random& random, const Touching& blocks, 
       const double angle = uniform(random, 0, 85) * kDegree;
       const dvec3 at = 0.5 * n + uniform(random, -0.1, 0.1) * a + uniform(random, -0.1, 0.1) * b;
       rays.push_back(rayThrough(at, std::cos(angle) * n + std::sin(angle) * anywhereAcross(n, random), 0.3));
-      rays.back().solids = bench.kernels.solidsAroundEye();
+      rays.back().dielectrics = bench.kernels.mediaAroundEye();
     }
     for (const Tracer tracer : kTracers) {
       const std::vector<Journey> journeys = followed(bench.kernels, rays, 1, tracer);
       for (size_t i = 0; i < count; ++i) {
         const dvec3 d = glm::normalize(dvec3(rays[i].direction));
-        const double sine = glm::length(glm::cross(d, n)) * ior / seen;
+        const double sine = glm::length(glm::cross(d, n)) * eta / seen;
         if (std::abs(sine - 1) < 1e-2) continue;  // the critical angle is case 29's
         const bool passes = sine < 1;
-        const bool hasWall = ior != seen;  // of the same glass there is none
+        const bool hasWall = eta != seen;  // of the same glass there is none
         otherPath.of(tracer) += journeys[i].transmitted != (passes && hasWall) || journeys[i].reflected == passes;
-        const dvec3 expected = passes ? bent(d, n, ior / seen) : d - 2 * glm::dot(d, n) * n;
+        const dvec3 expected = passes ? bent(d, n, eta / seen) : d - 2 * glm::dot(d, n) * n;
         error.of(tracer).add(angleBetween(dvec3(journeys[i].ray.direction), expected));
       }
     }
   });
-  std::string what = fmt::format("block of index {:g} on one of {:g}", ior, blocks.otherIor);
+  std::string what = fmt::format("block of index {:g} on one of {:g}", eta, blocks.otherIor);
   if (blocks.gap != 0) what += fmt::format(", {:g} apart", blocks.gap);
   if (blocks.innermost > 0) what += fmt::format(" and one of {:g} in it", seen);
   report.atMost(fmt::format("{}: rays of {:.2g} on another path", what, double(total)), double(otherPath.turner), 0,
@@ -256,7 +256,7 @@ void reportEyeInside(const Bench& bench, Random& random, Report& report) {
     std::vector<TestRay> rays;
     for (size_t i = 0; i < count; ++i) {
       rays.push_back({.origin = vec3(0), .direction = vec3(randomDirection(random))});
-      rays.back().solids = bench.kernels.solidsAroundEye();
+      rays.back().dielectrics = bench.kernels.mediaAroundEye();
     }
     for (const Tracer tracer : kTracers) {
       const std::vector<Journey> journeys = followed(bench.kernels, rays, 3, tracer);

@@ -362,12 +362,12 @@ void raysAtBoxCorners(const Bench& bench, Report& report) {
 
 // Builds a scene's tree by both builders, and reports what that takes.
 void reportBuilds(const std::string& what, const Scene& scene, int depthBar, Report& report) {
-  const Shapes shapes = shapesOf(roundScene(scene));
+  const PreparedGeometry prepared = prepareGeometry(roundScene(scene));
   const auto reportOne = [&](const char* name, auto* build) {
     const auto start = std::chrono::steady_clock::now();
-    const Bvh bvh = build(shapes.boxes, shapes.firstPair(), BvhLimits{});
+    const Bvh bvh = build(prepared.boxes, prepared.firstPair(), BvhLimits{});
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    const bool isWhole = bvh.order.size() == shapes.boxes.size();
+    const bool isWhole = bvh.order.size() == prepared.boxes.size();
     report.atMost(fmt::format("{}, {}: depth", what, name), isWhole ? double(bvh.depth) : NAN, depthBar);
     report.atMost(fmt::format("{}, {}: seconds to build", what, name), seconds, 5);
   };

@@ -259,12 +259,12 @@ void zeroArea(const Bench& bench, Report& report) {
   report.atMost("NaN or infinities", double(notFinite), 0);
 }
 
-Image renderWith(const Scene& scene, const RenderSettings& settings, bool medians, Cubes cubes,
+Image renderWith(const Scene& scene, const RenderSettings& settings, bool medians, TraversalStart cubes,
                  const Dispatching& dispatching) {
-  const Shapes shapes = shapesOf(roundScene(scene));
+  const PreparedGeometry prepared = prepareGeometry(roundScene(scene));
   const Bvh bvh =
-      medians ? buildMedianBvh(shapes.boxes, shapes.firstPair()) : buildBvh(shapes.boxes, shapes.firstPair());
-  test::renderer().upload(packScene(shapes, bvh, settings, cubes));
+      medians ? buildMedianBvh(prepared.boxes, prepared.firstPair()) : buildBvh(prepared.boxes, prepared.firstPair());
+  test::renderer().upload(packScene(prepared, bvh, settings, cubes));
   return test::renderer().render(test::kernel(), settings, {}, dispatching).image;
 }
 
@@ -303,11 +303,11 @@ void coplanarOverlap(const Bench&, Report& report) {
   for (const bool copied : {true, false}) {
     const Scene scene = coplanarScene(copied);
     const RenderSettings settings = test::settingsOf(scene, copied ? 40 : 256, copied ? 40 : 256);
-    const Image first = renderWith(scene, settings, false, Cubes::lists, {});
+    const Image first = renderWith(scene, settings, false, TraversalStart::lists, {});
     size_t differing = 0;
     int pictures = 0;
     for (const bool medians : {false, true})
-      for (const Cubes cubes : {Cubes::lists, Cubes::mixedLists, Cubes::wholeTree})
+      for (const TraversalStart cubes : {TraversalStart::lists, TraversalStart::mixedLists, TraversalStart::wholeTree})
         for (const int workGroup : {16, 64, 128, 256}) {
           Dispatching dispatching;
           dispatching.workGroup = workGroup;

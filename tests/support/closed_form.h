@@ -54,8 +54,8 @@ inline Material mirror(double reflect) {
   return {.name = "mirror", .reflect = reflect, .localWeight = 1 - reflect};
 }
 
-inline Material glass(double reflect, double transmit, double ior) {
-  return {.name = "glass", .reflect = reflect, .transmit = transmit, .ior = ior, .localWeight = 1 - reflect - transmit};
+inline Material glass(double reflect, double transmit, double eta) {
+  return {.name = "glass", .reflect = reflect, .transmit = transmit, .eta = eta, .localWeight = 1 - reflect - transmit};
 }
 
 inline uint32_t addMaterial(Scene& scene, const Material& material) {

@@ -38,18 +38,19 @@ inline ShaderRenderer& renderer() {
   return *slot;
 }
 
-inline Spirv compileKernel(Fetch fetch) {
-  return compileGlsl(TURNER_SHADERS_DIR "/whitted.comp", fetchPreamble(fetch));
+inline Spirv compileKernel(BufferAccess access) {
+  return compileGlsl(TURNER_SHADERS_DIR "/whitted.comp", accessPreamble(access));
 }
 
 inline const Spirv& kernel() {
-  static const Spirv spirv = compileKernel(renderer().fetch());
+  static const Spirv spirv = compileKernel(renderer().access());
   return spirv;
 }
 
-inline PackedScene packed(const Scene& scene, const RenderSettings& settings, Cubes cubes = Cubes::lists) {
-  const Shapes shapes = shapesOf(roundScene(scene));
-  return packScene(shapes, buildBvh(shapes.boxes, shapes.firstPair()), settings, cubes);
+inline PackedScene packed(const Scene& scene, const RenderSettings& settings,
+                          TraversalStart start = TraversalStart::lists) {
+  const PreparedGeometry prepared = prepareGeometry(roundScene(scene));
+  return packScene(prepared, buildBvh(prepared.boxes, prepared.firstPair()), settings, start);
 }
 
 inline Image renderShader(const Scene& scene, const RenderSettings& settings, const Dispatching& dispatching = {}) {

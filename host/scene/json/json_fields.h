@@ -42,7 +42,8 @@ class JsonFields {
   };
 
   // All three must outlive this object. `at` below is the index of a node of the tree.
-  JsonFields(const JsonTree& tree, std::string_view text, Faults& faults) : tree_(tree), text_(text), faults_(faults) {}
+  JsonFields(const JsonTree& tree, std::string_view text, Diagnostics& faults)
+      : tree_(tree), text_(text), faults_(faults) {}
 
   const JsonNode& node(size_t at) const { return tree_.nodes[at]; }
 
@@ -75,7 +76,7 @@ class JsonFields {
 
   const JsonTree& tree_;
   std::string_view text_;
-  Faults& faults_;
+  Diagnostics& faults_;
 };
 
 // A text from outside in double quotes, made fit for a line of a message.

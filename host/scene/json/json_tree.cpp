@@ -216,7 +216,7 @@ std::string describeFound(std::string_view text, size_t at) {
 }
 
 void addSyntaxFault(const rapidjson::ParseResult& result, std::string_view text, const TextStream& stream, size_t begin,
-                    const TreeBuilder& builder, Faults& faults) {
+                    const TreeBuilder& builder, Diagnostics& faults) {
   const rapidjson::ParseErrorCode code = result.Code();
   const std::string expected = describeExpected(code);
   if (stream.sawEnd()) {
@@ -246,7 +246,7 @@ void addSyntaxFault(const rapidjson::ParseResult& result, std::string_view text,
 
 }  // namespace
 
-JsonTree parseJson(std::string_view text, Faults& faults) {
+JsonTree parseJson(std::string_view text, Diagnostics& faults) {
   if (const size_t zero = text.find('\0'); zero != text.npos) {
     faults.add(zero, "found the byte 0x00; a scene is a text file");
     return {};

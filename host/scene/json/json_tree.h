@@ -33,6 +33,6 @@ inline constexpr size_t kMaxJsonNesting = 32;
 
 // `text` must outlive the tree. Wrong syntax is one fault, at its place; the tree then is empty. Numbers are kept as
 // written: whether a value fits is for the reader of the tree to say.
-JsonTree parseJson(std::string_view text, Faults& faults);
+JsonTree parseJson(std::string_view text, Diagnostics& faults);
 
 }  // namespace turner

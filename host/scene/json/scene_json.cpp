@@ -90,7 +90,7 @@ glm::dmat3 rotationOfDegrees(const glm::dvec3& degrees) {
 // Takes the scene out of a tree, section by section; faults are noted and reading goes on.
 class SceneReader {
  public:
-  SceneReader(const std::string& path, std::string_view text, const JsonTree& tree, Faults& faults)
+  SceneReader(const std::string& path, std::string_view text, const JsonTree& tree, Diagnostics& faults)
       : folder_(std::filesystem::path(path).parent_path()), fields_(tree, text, faults) {
     // The file's name alone: what is written about a scene does not depend on the folder it lies in.
     parsed_.scene.sources.push_back({std::filesystem::path(path).filename().string(), sha256Hex(text)});
@@ -217,7 +217,7 @@ void SceneReader::readMaterial(std::string_view name, size_t at, const Field& fi
   Material material;
   material.name = name;
   bool hasShares = true;
-  size_t ior = 0;
+  size_t eta = 0;
   const auto vectorInto = [&](glm::dvec3& vector) {
     return [&](size_t place, const Field& key) { fields_.readVector(place, key, kNotNegative, vector); };
   };
@@ -233,7 +233,7 @@ void SceneReader::readMaterial(std::string_view name, size_t at, const Field& fi
        {"reflect", false, shareInto(material.reflect)},
        {"transmit", false, shareInto(material.transmit)},
        {"ior", false, [&](size_t place, const Field& key) {
-          if (fields_.readNumber(place, key, kAnyNumber, material.ior)) ior = place;
+          if (fields_.readNumber(place, key, kAnyNumber, material.eta)) eta = place;
         }}});
 
   // Exact on decimals too: where r + t is meant to be 1 the sum rounds to 1, while 1 - r - t may leave a remainder.
@@ -242,8 +242,8 @@ void SceneReader::readMaterial(std::string_view name, size_t at, const Field& fi
     fields_.addMessage(at, field, "reflect and transmit together are more than 1; at most all light can be passed on");
   }
   material.localWeight = std::max(0.0, 1 - sum);
-  if (ior && material.transmit > 0 && material.ior <= 0) {
-    fields_.addFault(ior, Field{&field, "ior"}, "a number greater than 0 where the material transmits");
+  if (eta && material.transmit > 0 && material.eta <= 0) {
+    fields_.addFault(eta, Field{&field, "ior"}, "a number greater than 0 where the material transmits");
   }
 
   materials_.emplace(name, static_cast<uint32_t>(scene_.materials.size()));
@@ -375,8 +375,8 @@ bool SceneReader::placeMesh(const Mesh& mesh, uint32_t material, double scale, c
   }
 
   const auto isSmooth = [](const Mesh::Face& face) { return face.normals[0] != UINT32_MAX; };
-  makeRoom(scene_.triangles, mesh.faces.size());
-  makeRoom(scene_.normals, size_t(std::count_if(mesh.faces.begin(), mesh.faces.end(), isSmooth)));
+  reservePrefaulted(scene_.triangles, mesh.faces.size());
+  reservePrefaulted(scene_.normals, size_t(std::count_if(mesh.faces.begin(), mesh.faces.end(), isSmooth)));
   for (const Mesh::Face& face : mesh.faces) {
     Triangle triangle{};
     triangle.material = material;
@@ -396,7 +396,7 @@ bool SceneReader::placeMesh(const Mesh& mesh, uint32_t material, double scale, c
 }  // namespace
 
 ParsedScene parseJsonScene(const std::string& path, std::string_view text) {
-  Faults faults(path, text);
+  Diagnostics faults(path, text);
   const JsonTree tree = parseJson(text, faults);
   faults.throwIfAny();
 

@@ -118,9 +118,9 @@ class NffParser {
   NffParser(const std::string& path, std::string_view text) : lines_(text), faults_(path, text) {
     const Counts counts = countPrimitives(text);
     conesToCome_ = double(counts.cones);
-    makeRoom(result_.scene.spheres, counts.spheres);
-    makeRoom(result_.scene.triangles, counts.triangles);
-    makeRoom(result_.scene.normals, counts.smooth);
+    reservePrefaulted(result_.scene.spheres, counts.spheres);
+    reservePrefaulted(result_.scene.triangles, counts.triangles);
+    reservePrefaulted(result_.scene.normals, counts.smooth);
     const std::filesystem::path file(path);
     result_.scene.name = file.stem().string();
     result_.scene.sources = {{file.filename().string(), ""}};
@@ -286,7 +286,7 @@ class NffParser {
     material.transmit = readShare(6, "T", 1, "from 0 to 1");
     if (material.transmit > 0) {
       if (numbers[7] <= 0) fail(numbers.offsets[7], "the index of refraction must be greater than 0 where T is");
-      material.ior = numbers[7];
+      material.eta = numbers[7];
     }
   }
 
@@ -440,8 +440,8 @@ class NffParser {
     // The first cones may be unlike the rest: beyond a few MiB, room grows with what is there.
     const double most = 65536 + 16 * double(triangles.size());
     const size_t room = count + size_t(std::min(most, coneTriangles_ / conesSoFar_ * conesToCome_));
-    makeRoom(triangles, room);
-    makeRoom(result_.scene.normals, room);
+    reservePrefaulted(triangles, room);
+    reservePrefaulted(result_.scene.normals, room);
   }
 
   // Strips of the cone's side between neighbouring angles, smooth by the normals of the cone itself.
@@ -603,7 +603,7 @@ class NffParser {
   }
 
   TextScanner lines_;
-  Faults faults_;
+  Diagnostics faults_;
   ParsedScene result_;
   std::future<std::string> hash_;
   bool atLineStart_ = false;  // whether the current line is still to be looked at

@@ -65,9 +65,9 @@ class ObjParser {
   ObjParser(const std::string& path, std::string_view text)
       : lines_(text, TextScanner::Continuation::backslash), faults_(path, text), size_(text.size()) {
     const Counts counts = countStatements(text);
-    makeRoom(mesh_.positions, counts.vertices);
-    makeRoom(mesh_.normals, counts.normals);
-    makeRoom(mesh_.faces, counts.faces);
+    reservePrefaulted(mesh_.positions, counts.vertices);
+    reservePrefaulted(mesh_.normals, counts.normals);
+    reservePrefaulted(mesh_.faces, counts.faces);
   }
 
   Mesh parse() {
@@ -281,7 +281,7 @@ class ObjParser {
   }
 
   TextScanner lines_;
-  Faults faults_;
+  Diagnostics faults_;
   size_t size_;
   bool hasFaces_ = false;
   Mesh mesh_;

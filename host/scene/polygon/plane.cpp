@@ -43,7 +43,7 @@ class ExactSum {
 
 }  // namespace
 
-int orientation(Point a, Point b, Point c) {
+int orientation(PlanePoint a, PlanePoint b, PlanePoint c) {
   // Section 4.3: beyond this bound the sign is certain.
   const double left = (a.x - c.x) * (b.y - c.y), right = (a.y - c.y) * (b.x - c.x);
   const double determinant = left - right;

@@ -5,13 +5,13 @@
 
 namespace turner {
 
-struct Point {
+struct PlanePoint {
   double x, y;
-  auto operator<=>(const Point&) const = default;
+  auto operator<=>(const PlanePoint&) const = default;
 };
 
 // The side of c seen from the line through a and b: 1 left, -1 right, 0 exactly on it. Exact unless products of the
 // coordinates underflow or overflow.
-int orientation(Point a, Point b, Point c);
+int orientation(PlanePoint a, PlanePoint b, PlanePoint c);
 
 }  // namespace turner

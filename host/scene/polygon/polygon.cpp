@@ -23,7 +23,7 @@ namespace turner {
 namespace {
 
 using Triangle3 = std::array<uint32_t, 3>;
-using Edge = std::pair<Point, Point>;
+using Edge = std::pair<PlanePoint, PlanePoint>;
 
 // GEOS wants one context for each thread. Its errors come back as null results, which are handled where they arise.
 GEOSContextHandle_t geos() {
@@ -42,7 +42,7 @@ using Geometry = std::unique_ptr<GEOSGeometry, DestroyGeometry>;
 
 // The outline in the plane: points, and the corner that each of them is. No point equals its successor.
 struct Outline {
-  std::vector<Point> points;
+  std::vector<PlanePoint> points;
   std::vector<uint32_t> corners;
 
   size_t size() const { return points.size(); }
@@ -73,7 +73,7 @@ struct Projection {
   double scale;
   int first, second;  // the axes that are left
 
-  Point operator()(const glm::dvec3& corner) const { return {scale * corner[first], scale * corner[second]}; }
+  PlanePoint operator()(const glm::dvec3& corner) const { return {scale * corner[first], scale * corner[second]}; }
 };
 
 // At least one corner.
@@ -93,7 +93,7 @@ Outline project(std::span<const glm::dvec3> corners) {
   outline.points.reserve(corners.size());
   outline.corners.reserve(corners.size());
   for (uint32_t i = 0; i < corners.size(); ++i) {
-    const Point point = projection(corners[i]);
+    const PlanePoint point = projection(corners[i]);
     if (!outline.points.empty() && outline.points.back() == point) continue;
     outline.points.push_back(point);
     outline.corners.push_back(i);
@@ -144,17 +144,17 @@ bool isCollinear(const Outline& outline) {
 
 // Whether all points lie on one line but for what rounding to double has moved them.
 bool isCollinearButForRounding(const Outline& outline) {
-  const Point a = *std::min_element(outline.points.begin(), outline.points.end());
-  const Point b = *std::max_element(outline.points.begin(), outline.points.end());
+  const PlanePoint a = *std::min_element(outline.points.begin(), outline.points.end());
+  const PlanePoint b = *std::max_element(outline.points.begin(), outline.points.end());
   // Sizes are about 1 here (project), a double's step is 2e-16, and a distance sums a few of them.
   const double length = std::hypot(b.x - a.x, b.y - a.y);
-  return std::all_of(outline.points.begin(), outline.points.end(), [&](Point p) {
+  return std::all_of(outline.points.begin(), outline.points.end(), [&](PlanePoint p) {
     return std::abs((b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x)) <= 2e-15 * length;
   });
 }
 
 // Twice the signed area; long double, as it is compared with sums of other roundings.
-long double twiceArea(std::span<const Point> points) {
+long double twiceArea(std::span<const PlanePoint> points) {
   long double sum = 0;
   for (size_t i = 1; i + 1 < points.size(); ++i) {
     const long double ax = (long double)points[i].x - points[0].x, ay = (long double)points[i].y - points[0].y;
@@ -164,12 +164,12 @@ long double twiceArea(std::span<const Point> points) {
   return sum;
 }
 
-GEOSCoordSequence* makeSequence(std::span<const Point> points, bool closed) {
+GEOSCoordSequence* makeSequence(std::span<const PlanePoint> points, bool closed) {
   const auto count = unsigned(points.size() + (closed ? 1 : 0));
   GEOSCoordSequence* sequence = GEOSCoordSeq_create_r(geos(), count, 2);
   if (!sequence) throw std::bad_alloc();
   for (unsigned i = 0; i < count; ++i) {
-    const Point point = points[i % points.size()];
+    const PlanePoint point = points[i % points.size()];
     GEOSCoordSeq_setXY_r(geos(), sequence, i, point.x, point.y);
   }
   return sequence;
@@ -188,15 +188,15 @@ bool isValid(const Geometry& geometry) {
 std::vector<Edge> cutEdges(const Outline& outline) {
   std::vector<Edge> edges;
   for (size_t i = 0; i < outline.size(); ++i) {
-    const Point a = outline.points[i], b = outline.points[outline.after(i)];
+    const PlanePoint a = outline.points[i], b = outline.points[outline.after(i)];
     const auto [left, right] = std::minmax(a.x, b.x);
     const auto [low, high] = std::minmax(a.y, b.y);
-    std::set<Point> cuts{a, b};
-    for (const Point p : outline.points) {
+    std::set<PlanePoint> cuts{a, b};
+    for (const PlanePoint p : outline.points) {
       if (p.x < left || p.x > right || p.y < low || p.y > high || orientation(a, b, p) != 0) continue;
       cuts.insert(p);
     }
-    std::vector<Point> path(cuts.begin(), cuts.end());
+    std::vector<PlanePoint> path(cuts.begin(), cuts.end());
     if (b < a) std::reverse(path.begin(), path.end());
     for (size_t k = 0; k + 1 < path.size(); ++k) edges.emplace_back(path[k], path[k + 1]);
   }
@@ -224,7 +224,7 @@ std::vector<Edge> withoutBridges(const std::vector<Edge>& edges) {
 Geometry makeArea(const std::vector<Edge>& edges) {
   std::vector<GEOSGeometry*> lines;
   for (const auto& [from, to] : edges) {
-    const std::array<Point, 2> ends{from, to};
+    const std::array<PlanePoint, 2> ends{from, to};
     lines.push_back(GEOSGeom_createLineString_r(geos(), makeSequence(ends, false)));
   }
   const Geometry all(GEOSGeom_createCollection_r(geos(), GEOS_MULTILINESTRING, lines.data(), unsigned(lines.size())));
@@ -240,7 +240,7 @@ std::string describeCrossing(const Outline& outline) {
   const Geometry place(location);
   GEOSFree_r(geos(), reason);
   const std::string message = "the outline crosses or overlaps itself";
-  Point at;
+  PlanePoint at;
   if (!place || GEOSGeomGetX_r(geos(), place.get(), &at.x) != 1 || GEOSGeomGetY_r(geos(), place.get(), &at.y) != 1) {
     return message;
   }
@@ -269,9 +269,9 @@ Geometry triangulable(const Outline& outline) {
   throw std::invalid_argument(describeCrossing(outline));
 }
 
-std::array<Point, 3> pointsOf(const GEOSGeometry* triangle) {
+std::array<PlanePoint, 3> pointsOf(const GEOSGeometry* triangle) {
   const GEOSCoordSequence* sequence = GEOSGeom_getCoordSeq_r(geos(), GEOSGetExteriorRing_r(geos(), triangle));
-  std::array<Point, 3> points;
+  std::array<PlanePoint, 3> points;
   for (unsigned k = 0; k < 3; ++k) GEOSCoordSeq_getXY_r(geos(), sequence, k, &points[k].x, &points[k].y);
   return points;
 }
@@ -281,7 +281,7 @@ std::vector<Triangle3> constrainedDelaunay(const Outline& outline, const GEOSGeo
   const Geometry pieces(GEOSConstrainedDelaunayTriangulation_r(geos(), area));
   if (!pieces) throw failure();
 
-  std::map<Point, uint32_t> cornerAt;
+  std::map<PlanePoint, uint32_t> cornerAt;
   for (size_t i = 0; i < outline.size(); ++i) cornerAt.emplace(outline.points[i], outline.corners[i]);
   const long double signedArea = twiceArea(outline.points);
   const int side = signedArea > 0 ? 1 : -1;
@@ -289,7 +289,7 @@ std::vector<Triangle3> constrainedDelaunay(const Outline& outline, const GEOSGeo
   std::vector<Triangle3> triangles;
   const int count = GEOSGetNumGeometries_r(geos(), pieces.get());
   for (int i = 0; i < count; ++i) {
-    std::array<Point, 3> points = pointsOf(GEOSGetGeometryN_r(geos(), pieces.get(), i));
+    std::array<PlanePoint, 3> points = pointsOf(GEOSGetGeometryN_r(geos(), pieces.get(), i));
     const int turn = orientation(points[0], points[1], points[2]);
     if (turn == 0) continue;
     if (turn != side) std::swap(points[1], points[2]);

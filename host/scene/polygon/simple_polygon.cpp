@@ -22,22 +22,22 @@ struct Box {
   bool meets(const Box& other) const {
     return left <= other.right && other.left <= right && low <= other.high && other.low <= high;
   }
-  bool holds(Point p) const { return p.x >= left && p.x <= right && p.y >= low && p.y <= high; }
+  bool holds(PlanePoint p) const { return p.x >= left && p.x <= right && p.y >= low && p.y <= high; }
 };
 
-Box boxOf(Point a, Point b) {
+Box boxOf(PlanePoint a, PlanePoint b) {
   return {std::min(a.x, b.x), std::max(a.x, b.x), std::min(a.y, b.y), std::max(a.y, b.y)};
 }
 
 // Whether two segments whose boxes meet have a point in common.
-bool meet(Point a, Point b, Point c, Point d) {
+bool meet(PlanePoint a, PlanePoint b, PlanePoint c, PlanePoint d) {
   return orientation(a, b, c) * orientation(a, b, d) <= 0 && orientation(c, d, a) * orientation(c, d, b) <= 0;
 }
 
 // An outline from which ears are cut, one after the other.
 class EarClipper {
  public:
-  explicit EarClipper(std::span<const Point> outline)
+  explicit EarClipper(std::span<const PlanePoint> outline)
       : points_(outline), before_(outline.size()), after_(outline.size()), convex_(outline.size()) {
     const auto count = uint32_t(outline.size());
     for (uint32_t i = 0; i < count; ++i) {
@@ -90,11 +90,11 @@ class EarClipper {
   // the points that are not convex: what enters the triangle has one of them inside.
   bool isEar(uint32_t i) const {
     if (!convex_[i]) return false;
-    const Point a = points_[before_[i]], b = points_[i], c = points_[after_[i]];
+    const PlanePoint a = points_[before_[i]], b = points_[i], c = points_[after_[i]];
     const Box box{std::min({a.x, b.x, c.x}), std::max({a.x, b.x, c.x}), std::min({a.y, b.y, c.y}),
                   std::max({a.y, b.y, c.y})};
     return std::none_of(blocking_.begin(), blocking_.end(), [&](uint32_t k) {
-      const Point p = points_[k];
+      const PlanePoint p = points_[k];
       return box.holds(p) && k != before_[i] && k != after_[i] && side_ * orientation(a, b, p) >= 0 &&
              side_ * orientation(b, c, p) >= 0 && side_ * orientation(c, a, p) >= 0;
     });
@@ -111,7 +111,7 @@ class EarClipper {
     }
   }
 
-  std::span<const Point> points_;
+  std::span<const PlanePoint> points_;
   std::vector<uint32_t> before_, after_;
   std::vector<char> convex_;
   std::vector<uint32_t> blocking_;  // points left that are not convex
@@ -120,7 +120,7 @@ class EarClipper {
 
 // Whether d lies within the circle through a, b and c (counter-clockwise for side 1, clockwise for -1), for certain: a
 // flip then makes the triangulation strictly better, so that flips come to an end.
-bool isCertainlyInCircle(Point a, Point b, Point c, Point d, int side) {
+bool isCertainlyInCircle(PlanePoint a, PlanePoint b, PlanePoint c, PlanePoint d, int side) {
   const double ax = a.x - d.x, ay = a.y - d.y, bx = b.x - d.x, by = b.y - d.y, cx = c.x - d.x, cy = c.y - d.y;
   const double aa = ax * ax + ay * ay, bb = bx * bx + by * by, cc = cx * cx + cy * cy;
   const double determinant = aa * (bx * cy - cx * by) + bb * (cx * ay - ax * cy) + cc * (ax * by - bx * ay);
@@ -162,7 +162,7 @@ size_t placeOf(const Triangle3& triangle, uint32_t value) {
 
 // Lawson, "Software for C1 Surface Interpolation", 1977: as long as the point beyond an edge lies in the circle of the
 // triangle before it, the other diagonal of the two is the better one.
-void flipEdges(std::span<const Point> points, std::vector<Triangle3>& triangles, int side) {
+void flipEdges(std::span<const PlanePoint> points, std::vector<Triangle3>& triangles, int side) {
   std::vector<Triangle3> neighbors = findNeighbors(triangles);
   std::vector<uint32_t> waiting(triangles.size());
   std::iota(waiting.begin(), waiting.end(), uint32_t(0));
@@ -196,7 +196,7 @@ void flipEdges(std::span<const Point> points, std::vector<Triangle3>& triangles,
 
 }  // namespace
 
-bool isSimple(std::span<const Point> outline) {
+bool isSimple(std::span<const PlanePoint> outline) {
   const size_t count = outline.size();
   struct Segment {
     Box box;
@@ -206,7 +206,7 @@ bool isSimple(std::span<const Point> outline) {
   segments.reserve(count);
   const auto after = [&](size_t i) { return i + 1 == count ? 0 : i + 1; };
   for (size_t i = 0; i < count; ++i) {
-    const Point a = outline[i], b = outline[after(i)], c = outline[after(after(i))];
+    const PlanePoint a = outline[i], b = outline[after(i)], c = outline[after(after(i))];
     // Neighbours meet at their common end, and elsewhere only if the outline turns back on itself there.
     if (orientation(a, b, c) == 0 && (a.x - b.x) * (c.x - b.x) + (a.y - b.y) * (c.y - b.y) > 0) return false;
     segments.push_back({boxOf(a, b), uint32_t(i)});
@@ -224,7 +224,7 @@ bool isSimple(std::span<const Point> outline) {
   return true;
 }
 
-std::vector<Triangle3> triangulateSimple(std::span<const Point> outline) {
+std::vector<Triangle3> triangulateSimple(std::span<const PlanePoint> outline) {
   EarClipper clipper(outline);
   std::vector<Triangle3> triangles = clipper.clip();
   flipEdges(outline, triangles, clipper.side());

@@ -12,11 +12,11 @@
 namespace turner {
 
 // Whether the edges of a closed outline meet at common ends only. No point may equal its successor.
-bool isSimple(std::span<const Point> outline);
+bool isSimple(std::span<const PlanePoint> outline);
 
 // A simple outline of n points as n - 2 triangles over all of its points, wound as it is, none without area: the
 // constrained Delaunay triangulation, but for ties and near ties. Empty if rounding beyond what orientation() can bear
 // got in the way.
-std::vector<std::array<uint32_t, 3>> triangulateSimple(std::span<const Point> outline);
+std::vector<std::array<uint32_t, 3>> triangulateSimple(std::span<const PlanePoint> outline);
 
 }  // namespace turner

@@ -13,15 +13,15 @@ layout(std430, binding = kBindLitFound) writeonly buffer FoundBuffer { Row found
 
 vec3 xyz(const Row row) { return uintBitsToFloat(row.xyz); }
 
-#include "../../../shaders/fetch.glsl"
-#include "../../../shaders/numerics.glsl"
-#include "../../../shaders/solids.glsl"
+#include "../../../shaders/buffer_access.glsl"
+#include "../../../shaders/float_float.glsl"
+#include "../../../shaders/nested_dielectrics.glsl"
 #include "../../../shaders/intersect.glsl"
 #include "../../../shaders/shade.glsl"
 
 // Blinn (1977) as it is written on paper.
 vec3 textbookReflected(const Surface surface, const vec3 V, const Row lightPosition, vec3 E,
-                       const MaterialRows material) {
+                       const MaterialData material) {
   vec3 toward = xyz(lightPosition) - surface.point;
   vec3 L = normalize(toward), H = normalize(L + V);
   if (lightPosition.w != 0u) E /= dot(toward, toward);
@@ -35,8 +35,8 @@ void main() {
   Row point = given[row + kLitPoint], normal = given[row + kLitNormal], light = given[row + kLitLight];
   vec3 Ns = xyz(normal), V = xyz(given[row + kLitView]), E = xyz(given[row + kLitColor]);
   Surface surface = Surface(xyz(point), Ns, Ns, true, true, 0.0, 0u);
-  MaterialRows material =
-      MaterialRows(given[row + kLitDiffuse], given[row + kLitSpecular], Row(point.w, 0u, floatBitsToUint(1.0), 0u));
+  MaterialData material =
+      MaterialData(given[row + kLitDiffuse], given[row + kLitSpecular], Row(point.w, 0u, floatBitsToUint(1.0), 0u));
   float q = uintBitsToFloat(normal.w), n = uintBitsToFloat(point.w), power = 0.0;
   vec3 radiance = vec3(0);
   if (NAIVE) {

@@ -1,4 +1,4 @@
-// What --price puts in the place of meetPair: Moeller and Trumbore's test (JGT 2(1), 1997) of both triangles of a pair.
+// What --price puts in the place of intersectTrianglePair: Moeller and Trumbore's test (JGT 2(1), 1997) of both triangles of a pair.
 // The edge that they share is tested twice, by different arithmetic.
 
 // Distance to the triangle of a corner and two edges, or kNoHit.
@@ -11,17 +11,17 @@ float moellerTrumbore(const Ray ray, const vec3 corner, const vec3 e1, const vec
   return lesser(u, v) >= 0.0 && u + v <= 1.0 && t > 0.0 ? t : kNoHit;
 }
 
-Meeting meetPair(const Ray ray, const RayFactors factors, const uint pair) {
-  uint row = kUnitRows * (pair & kRefPlaceMask);
+Intersection intersectTrianglePair(const Ray ray, const RayFactors factors, const uint pair) {
+  uint row = kUnitRows * (pair & kRefOffsetMask);
   Row v0 = ROW(primitives, row + kPairV0), v1 = ROW(primitives, row + kPairV1), v2 = ROW(primitives, row + kPairV2),
       v3 = ROW(primitives, row + kPairV3);
   vec3 a = xyz(v0), b = xyz(v1), c = xyz(v2), d = xyz(v3);
-  uint first = pair & ~kRefSecond, second = pair | kRefSecond, leaving = ray.leaving & ~kLeavesInward;
+  uint first = pair & ~kRefSecond, second = pair | kRefSecond, originPrimitive = ray.originPrimitive & ~kStartsInward;
   float tFirst = moellerTrumbore(ray, a, b - a, c - a), tSecond = moellerTrumbore(ray, d, c - d, b - d);
-  bool inFirst = tFirst < kNoHit && leaving != first && pair == first;
-  bool inSecond = tSecond < kNoHit && leaving != second;
+  bool inFirst = tFirst < kNoHit && originPrimitive != first && pair == first;
+  bool inSecond = tSecond < kNoHit && originPrimitive != second;
   bool isSecond = inSecond && !inFirst;
   float t = inFirst ? tFirst : inSecond ? tSecond : kNoHit;
   uint tested = pair != first ? 0u : v3.w != kRefNone ? 2u : 1u;
-  return Meeting(t, isSecond ? second : first, isSecond ? v3.w : v0.w, inFirst && inSecond, tested, 0u, 0.0);
+  return Intersection(t, isSecond ? second : first, isSecond ? v3.w : v0.w, inFirst && inSecond, tested, 0u, 0.0);
 }

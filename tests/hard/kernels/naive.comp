@@ -14,7 +14,7 @@ layout(std430, binding = kBindFrame) readonly buffer FrameBuffer { Frame frame; 
 layout(std430, binding = kBindGiven) readonly buffer GivenBuffer { Row given[]; };
 layout(std430, binding = kBindFound) writeonly buffer FoundBuffer { Row found[]; };
 
-#include "../../../shaders/fetch.glsl"
+#include "../../../shaders/buffer_access.glsl"
 
 vec3 xyz(const Row row) { return uintBitsToFloat(row.xyz); }
 Row packRow(const vec3 v, const uint w) { return Row(floatBitsToUint(v), w); }
@@ -84,7 +84,7 @@ void main() {
     }
   }
 
-  vec3 point = vec3(0), Ng = vec3(0), leaving = vec3(0);
+  vec3 point = vec3(0), Ng = vec3(0), originPrimitive = vec3(0);
   bool front = false, leaves = false;
   uint id = kRefNone, material = 0u;
   if (hit != kRefNone) {
@@ -98,16 +98,16 @@ void main() {
     if (!front) Ng = -Ng;
     leaves = true;
     if (next.w == kNextNone) leaves = false;
-    if (next.w == kNextDirection) leaving = xyz(next);
+    if (next.w == kNextDirection) originPrimitive = xyz(next);
     if (next.w == kNextLight) {
-      leaving = xyz(next) - point;
-      leaves = dot(Ng, leaving) > 0.0;
+      originPrimitive = xyz(next) - point;
+      leaves = dot(Ng, originPrimitive) > 0.0;
     }
-    if (next.w == kNextReflected) leaving = reflect(direction, Ng);
+    if (next.w == kNextReflected) originPrimitive = reflect(direction, Ng);
     if (next.w == kNextTransmitted) {
-      float ior = uintBitsToFloat(ROW(materials, kMaterialRows * material + kMaterialOther).y);
-      leaving = refract(normalize(direction), Ng, front ? 1.0 / ior : ior);
-      leaves = leaving != vec3(0);
+      float eta = uintBitsToFloat(ROW(materials, kMaterialRows * material + kMaterialOther).y);
+      originPrimitive = refract(normalize(direction), Ng, front ? 1.0 / eta : eta);
+      leaves = originPrimitive != vec3(0);
     }
   }
   uint row = kFoundRows * i;
@@ -117,6 +117,6 @@ void main() {
   found[row + kFoundNg] = packRow(Ng, material);
   found[row + kFoundNs] = packRow(Ng, 0u);
   found[row + kFoundLeavingOrigin] = packRow(point, kRefNone);
-  found[row + kFoundLeavingDirection] = packRow(leaving, 0u);
+  found[row + kFoundLeavingDirection] = packRow(originPrimitive, 0u);
   found[row + kFoundSolids] = Row(0u);
 }

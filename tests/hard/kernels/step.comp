@@ -17,11 +17,11 @@ Frame frame;
 uint root;
 Row nodesVisited, primitivesVisited;
 
-#include "../../../shaders/fetch.glsl"
-#include "../../../shaders/numerics.glsl"
-#include "../../../shaders/solids.glsl"
+#include "../../../shaders/buffer_access.glsl"
+#include "../../../shaders/float_float.glsl"
+#include "../../../shaders/nested_dielectrics.glsl"
 #include "../../../shaders/intersect.glsl"
-#include "../../../shaders/cube.glsl"
+#include "../../../shaders/light_buffer.glsl"
 #include "../../../shaders/traverse.glsl"
 #include "../../../shaders/shade.glsl"
 
@@ -34,64 +34,64 @@ void main() {
   if (i >= given.length() / kGivenRows) return;
   Row origin = given[kGivenRows * i + kGivenOrigin], direction = given[kGivenRows * i + kGivenDirection],
       next = given[kGivenRows * i + kGivenNext];
-  uvec4 solids = given[kGivenRows * i + kGivenSolids];
-  solidsLost = false;
+  uvec4 media = given[kGivenRows * i + kGivenSolids];
+  mediaLost = false;
   Ray ray = Ray(xyz(origin), xyz(direction), origin.w);
   RayFactors factors = rayFactors(ray.direction);
-  Walk walk = walkFromRoot();
+  TraversalState traversal = startAtRoot();
   float end = uintBitsToFloat(direction.w);  // a shadow ray's; 0: the nearest hit is wanted
-  if (end > 0.0) walk.tMax = end;
+  if (end > 0.0) traversal.tMax = end;
   int budget = int(BUDGET);
   if (end > 0.0)
-    continueWalk(ray, factors, true, true, 0u, 1.0, walk, budget);
+    traverse(ray, factors, true, true, 0u, 1.0, traversal, budget);
   else
-    continueWalk(ray, factors, false, true, 0u, 1.0, walk, budget);
-  float t = walk.tMax;
-  if (end == 0.0 && lacksPlace(walk)) {
-    walk = walkThroughPlace(walk);
-    continueWalk(ray, factors, false, true, 0u, 1.0, walk, budget);
-    t = walk.hitT;
+    traverse(ray, factors, false, true, 0u, 1.0, traversal, budget);
+  float t = traversal.tMax;
+  if (end == 0.0 && lacksCoincident(traversal)) {
+    traversal = startCoincident(traversal);
+    traverse(ray, factors, false, true, 0u, 1.0, traversal, budget);
+    t = traversal.hitT;
   }
 
   Surface surface = Surface(vec3(0), vec3(0), vec3(0), false, false, 0.0, 0u);
-  Ray leaving = Ray(vec3(0), vec3(0), kRefNone);
+  Ray originPrimitive = Ray(vec3(0), vec3(0), kRefNone);
   bool leaves = false, hidden = false;
-  if (walk.hit != kRefNone && end == 0.0) {
-    surface = surfaceAt(ray, factors, t, walk.hit);
+  if (traversal.hit != kRefNone && end == 0.0) {
+    surface = surfaceAt(ray, factors, t, traversal.hit);
     if (next.w == kNextDirection) {
-      leaving = leaveSurface(surface, walk.hit, xyz(next), dot(xyz(next), surface.Ng) > 0.0);
+      originPrimitive = leaveSurface(surface, traversal.hit, xyz(next), dot(xyz(next), surface.Ng) > 0.0);
       leaves = true;
     }
     if (next.w == kNextLight) {
-      leaving = leaveToLight(surface, walk.hit, xyz(next));
+      originPrimitive = leaveToLight(surface, traversal.hit, xyz(next));
       leaves = facesLight(surface, xyz(next));
     }
     if (next.w == kNextReflected) {
-      leaving = leaveSurface(surface, walk.hit, reflection(surface, ray.direction), true);
+      originPrimitive = leaveSurface(surface, traversal.hit, reflection(surface, ray.direction), true);
       leaves = true;
     }
     if (next.w == kNextTransmitted) {
       vec3 T = ray.direction;
-      MaterialRows material = materialRows(surface.material);
+      MaterialData material = materialData(surface.material);
       vec2 n = indexBehind(surface, indexOfRefraction(material));
-      if (SOLIDS) {
-        Crossing crossing = crossWalls(solids, walk.place, material, surface.front);
+      if (NESTED_DIELECTRICS) {
+        Crossing crossing = crossInterfaces(media, traversal.place, material, surface.front);
         hidden = crossing.hidden;
         n = crossing.n;
-        solids = crossing.beyond;
+        media = crossing.beyond;
       }
       leaves = hidden || transmission(surface, ray.direction, n, T);
-      leaving = leaveSurface(surface, walk.hit, T, false);
+      originPrimitive = leaveSurface(surface, traversal.hit, T, false);
     }
   }
-  uint flags = (isOver(walk) && !solidsLost ? 0u : kFoundUnfinished) | (hidden ? kFoundHidden : 0u) |
+  uint flags = (isFinished(traversal) && !mediaLost ? 0u : kFoundUnfinished) | (hidden ? kFoundHidden : 0u) |
                (surface.front ? kFoundFront : 0u) | (leaves ? kFoundLeaves : 0u);
   uint row = kFoundRows * i;
-  found[row + kFoundHit] = Row(floatBitsToUint(t), walk.hit, walk.order, flags);
-  found[row + kFoundPoint] = packRow(surface.point, floatBitsToUint(surface.margin));
+  found[row + kFoundHit] = Row(floatBitsToUint(t), traversal.hit, traversal.rank, flags);
+  found[row + kFoundPoint] = packRow(surface.point, floatBitsToUint(surface.errorBound));
   found[row + kFoundNg] = packRow(surface.Ng, surface.material);
   found[row + kFoundNs] = packRow(surface.Ns, 0u);
-  found[row + kFoundLeavingOrigin] = packRow(leaving.origin, leaving.leaving);
-  found[row + kFoundLeavingDirection] = packRow(leaving.direction, 0u);
-  found[row + kFoundSolids] = solids;
+  found[row + kFoundLeavingOrigin] = packRow(originPrimitive.origin, originPrimitive.originPrimitive);
+  found[row + kFoundLeavingDirection] = packRow(originPrimitive.direction, 0u);
+  found[row + kFoundSolids] = media;
 }

@@ -16,7 +16,7 @@ TURNER_CONST kBindGiven = 1u, kBindFound = 2u;
 TURNER_CONST kGivenOrigin = 0u;     // w: the primitive it leaves, as the kernel names it, or kRefNone
 TURNER_CONST kGivenDirection = 1u;  // w (float): 0: the nearest hit is wanted; else any hit before this distance
 TURNER_CONST kGivenNext = 2u;       // w: which ray leaves the surface
-TURNER_CONST kGivenSolids = 3u;     // that it is in (solids.glsl)
+TURNER_CONST kGivenSolids = 3u;     // that it is in (nested_dielectrics.glsl)
 TURNER_CONST kGivenRows = 4u;
 
 TURNER_CONST kNextNone = 0u;
@@ -37,7 +37,7 @@ TURNER_CONST kFoundRows = 7u;
 TURNER_CONST kFoundUnfinished = 1u;  // the budget of iterations did not suffice
 TURNER_CONST kFoundFront = 2u;       // the hit is on the front
 TURNER_CONST kFoundLeaves = 4u;      // there is a ray that leaves
-TURNER_CONST kFoundHidden = 8u;      // the hit is on a wall that is hidden in other glass: the ray goes straight on
+TURNER_CONST kFoundHidden = 8u;  // the hit is on an interface that is hidden in other glass: the ray goes straight on
 
 #ifdef __cplusplus
 }  // namespace turner::gpu

@@ -1,5 +1,5 @@
 // Lists of what rays through a point can hit: nothing is missing, nearest first, and no scene makes them huge. Rays
-// look their lists up here as shaders/cube.glsl does, in float; what they hit is computed in double.
+// look their lists up here as shaders/light_buffer.glsl does, in float; what they hit is computed in double.
 #include "accel/light_buffer.h"
 
 #include <gtest/gtest.h>
@@ -36,7 +36,7 @@ dvec3 toFloat(const dvec3& v) {
 
 // What the lists are made over.
 struct Listed {
-  Shapes shapes;
+  PreparedGeometry prepared;
   Bvh bvh;
   std::vector<uint> references;  // the place is the index in Bvh::order: that is enough here
 
@@ -44,20 +44,20 @@ struct Listed {
     for (Sphere& sphere : scene.spheres) sphere.center = toFloat(sphere.center), sphere.radius = float(sphere.radius);
     for (Triangle& triangle : scene.triangles)
       for (dvec3& vertex : triangle.vertices) vertex = toFloat(vertex);
-    shapes = shapesOf(std::move(scene));
-    bvh = buildBvh(shapes.boxes, shapes.firstPair());
+    prepared = prepareGeometry(std::move(scene));
+    bvh = buildBvh(prepared.boxes, prepared.firstPair());
     for (uint i = 0; i < bvh.order.size(); ++i)
-      references.push_back((bvh.order[i] >= shapes.firstPair() ? gpu::kRefTriangle : 0) | i);
+      references.push_back((bvh.order[i] >= prepared.firstPair() ? gpu::kRefTriangle : 0) | i);
   }
-  CubeTree tree() const { return {shapes, bvh, references}; }
-  const std::vector<Triangle>& triangles() const { return shapes.scene.triangles; }
+  LightBufferTree tree() const { return {prepared, bvh, references}; }
+  const std::vector<Triangle>& triangles() const { return prepared.scene.triangles; }
 };
 
-CubePoint pointAt(const dvec3& position, size_t rays, int walk = 0) {
-  CubePoint point;
+LightBufferPoint pointAt(const dvec3& position, size_t rays, int walk = 0) {
+  LightBufferPoint point;
   point.position = position;
   point.rays = rays;
-  point.kernelWalk = walk;
+  point.kernelTraversal = walk;
   return point;
 }
 
@@ -66,8 +66,8 @@ struct Entry {
   float distance;
 };
 
-Entry entryAt(const DirectionCubes& cubes, uint index) {
-  const Row& row = cubes.rows.at(index / 2);
+Entry entryAt(const LightBuffers& lightBuffers, uint index) {
+  const Row& row = lightBuffers.rows.at(index / 2);
   return index % 2 ? Entry{std::bit_cast<uint>(row.z), std::bit_cast<float>(row.w)}
                    : Entry{std::bit_cast<uint>(row.x), row.y};
 }
@@ -80,26 +80,26 @@ float quotient(float a, float b, int ulps) {
   return result;
 }
 
-// The list of a direction's cell, in the arithmetic of cubeList().
+// The list of a direction's cell, in the arithmetic of cellList().
 struct List {
   int axis;
   uint first, end, triangles;
 };
 
-List listOf(const DirectionCubes& cubes, size_t point, const glm::vec3& d, int ulps = 0) {
+List listOf(const LightBuffers& lightBuffers, size_t point, const glm::vec3& d, int ulps = 0) {
   const glm::vec3 size = glm::abs(d);
   const int axis = size.x > size.y ? (size.x > size.z ? 0 : 2) : (size.y > size.z ? 1 : 2);
   const float u = quotient(d[(axis + 1) % 3], d[axis], ulps), v = quotient(d[(axis + 2) % 3], d[axis], ulps);
-  const Row& face = cubes.rows.at(6 * point + 2 * size_t(axis) + (d[axis] < 0));
+  const Row& face = lightBuffers.rows.at(6 * point + 2 * size_t(axis) + (d[axis] < 0));
   const uint side = face.w & 255, firstCell = face.w >> 8;
   const auto place = [&](float x, float corner) {
     return std::min(std::max((x - corner) * face.z, 0.0f), float(side) - 0.001f);
   };
   const float x = place(u, face.x), y = place(v, face.y);
-  const Row& coarse = cubes.rows.at(firstCell + uint(y) * side + uint(x));
+  const Row& coarse = lightBuffers.rows.at(firstCell + uint(y) * side + uint(x));
   const uint fine = std::bit_cast<uint>(coarse.y);
   const auto within = [&](float p) { return uint((p - std::floor(p)) * float(fine)); };
-  const Row& cell = cubes.rows.at(std::bit_cast<uint>(coarse.x) + within(y) * fine + within(x));
+  const Row& cell = lightBuffers.rows.at(std::bit_cast<uint>(coarse.x) + within(y) * fine + within(x));
   return {axis, std::bit_cast<uint>(cell.x), std::bit_cast<uint>(cell.y), std::bit_cast<uint>(cell.z)};
 }
 
@@ -124,11 +124,11 @@ double distanceTo(const Triangle& triangle, const dvec3& origin, const dvec3& d)
 }
 
 // To the nearest of a shape, by its box.
-double distanceTo(const Shapes& shapes, uint box, const dvec3& origin, const dvec3& d) {
-  if (box < shapes.firstPair()) return distanceTo(shapes.scene.spheres[box], origin, d);
-  const TrianglePair& pair = shapes.pairs[box - shapes.firstPair()];
-  const double t = distanceTo(shapes.scene.triangles[pair.first], origin, d);
-  return pair.isAlone() ? t : std::min(t, distanceTo(shapes.scene.triangles[pair.second], origin, d));
+double distanceTo(const PreparedGeometry& prepared, uint box, const dvec3& origin, const dvec3& d) {
+  if (box < prepared.firstPair()) return distanceTo(prepared.scene.spheres[box], origin, d);
+  const TrianglePair& pair = prepared.pairs[box - prepared.firstPair()];
+  const double t = distanceTo(prepared.scene.triangles[pair.first], origin, d);
+  return pair.isAlone() ? t : std::min(t, distanceTo(prepared.scene.triangles[pair.second], origin, d));
 }
 
 // The shapes below a node, with the least distance that the list tells for them.
@@ -140,20 +140,20 @@ void collect(const Bvh& bvh, const BvhChild& child, float distance, std::vector<
 }
 
 // Whatever a ray from the point hits must be in its list, and not be told to be farther than it is.
-void expectHitsInList(const Listed& listed, const DirectionCubes& cubes, size_t index, const CubePoint& point,
-                      const glm::vec3& d) {
+void expectHitsInList(const Listed& listed, const LightBuffers& lightBuffers, size_t index,
+                      const LightBufferPoint& point, const glm::vec3& d) {
   for (const int ulps : {-2, 0, 2}) {
-    const List list = listOf(cubes, index, d, ulps);
+    const List list = listOf(lightBuffers, index, d, ulps);
     std::vector<float> found(listed.bvh.order.size(), INFINITY);
     for (uint i = list.first; i < list.end; ++i) {
-      const Entry entry = entryAt(cubes, i);
-      const bool isShape = entry.reference & gpu::kRefLeaf;
-      const uint at = isShape ? entry.reference & gpu::kRefPlaceMask : entry.reference;
-      collect(listed.bvh, {{}, at, isShape ? 1u : 0u}, entry.distance, found);
+      const Entry entry = entryAt(lightBuffers, i);
+      const bool isPrimitive = entry.reference & gpu::kRefLeaf;
+      const uint at = isPrimitive ? entry.reference & gpu::kRefOffsetMask : entry.reference;
+      collect(listed.bvh, {{}, at, isPrimitive ? 1u : 0u}, entry.distance, found);
     }
     for (size_t i = 0; i < found.size(); ++i) {
       const uint box = listed.bvh.order[i];
-      const double t = distanceTo(listed.shapes, box, point.position, d);
+      const double t = distanceTo(listed.prepared, box, point.position, d);
       if (t == kMiss) continue;
       ASSERT_NE(found[i], INFINITY) << "shape " << box << " is missing at t = " << t;
       ASSERT_LE(found[i], t * std::abs(d[list.axis]) * (1 + 0x1p-18)) << "shape " << box << " comes too late";
@@ -180,19 +180,19 @@ Scene mixture(RandomNumbers& random, int count) {
   return scene;
 }
 
-TEST(DirectionCube, HoldsWhateverRaysHit) {
+TEST(LightBuffer, HoldsWhateverRaysHit) {
   RandomNumbers random{std::mt19937_64(7)};
   for (int trial = 0; trial < 60; ++trial) {
     SCOPED_TRACE("trial " + std::to_string(trial));
     const Listed listed(mixture(random, 3 + trial * 4));
     const Triangle& triangle = listed.triangles()[random.index(listed.triangles().size())];
-    std::vector<CubePoint> points;
+    std::vector<LightBufferPoint> points;
     const size_t rays = size_t(1) << (8 + trial % 5 * 4);
     for (const dvec3& position :
          {random.point(1), random.point(4), dvec3(1e3, -400, 20), dvec3(-1e6, 3e5, 2e5), dvec3(0), triangle.vertices[0],
           (triangle.vertices[0] + triangle.vertices[1] + triangle.vertices[2]) / 3.0})
       points.push_back(pointAt(toFloat(position), rays));
-    const DirectionCubes cubes = buildDirectionCubes(points, listed.tree());
+    const LightBuffers lightBuffers = buildLightBuffers(points, listed.tree());
     for (size_t p = 0; p < points.size(); ++p) {
       for (int ray = 0; ray < 40; ++ray) {
         // Half of the rays go to a corner or an edge of something, where a cell ends most likely.
@@ -201,7 +201,7 @@ TEST(DirectionCube, HoldsWhateverRaysHit) {
         const double s = ray % 4 == 0 ? 0 : random.between(0, 1);
         const dvec3 target = ray % 2 ? random.point(1) : s * a + (1 - s) * (ray % 3 ? b : c);
         const glm::vec3 d = target - points[p].position;
-        if (d != glm::vec3(0)) expectHitsInList(listed, cubes, p, points[p], d);
+        if (d != glm::vec3(0)) expectHitsInList(listed, lightBuffers, p, points[p], d);
         if (HasFatalFailure()) return;
       }
     }
@@ -209,11 +209,11 @@ TEST(DirectionCube, HoldsWhateverRaysHit) {
 }
 
 // Where cells are divided most, and where rays graze their borders and the diagonals of the cube.
-TEST(DirectionCube, HoldsWhateverRaysAlongBordersOfCellsHit) {
+TEST(LightBuffer, HoldsWhateverRaysAlongBordersOfCellsHit) {
   RandomNumbers random{std::mt19937_64(8)};
   const Listed listed(mixture(random, 120));
-  const CubePoint point = pointAt(toFloat(random.point(0.5)), size_t(1) << 24);
-  const DirectionCubes cubes = buildDirectionCubes(std::span(&point, 1), listed.tree());
+  const LightBufferPoint point = pointAt(toFloat(random.point(0.5)), size_t(1) << 24);
+  const LightBuffers lightBuffers = buildLightBuffers(std::span(&point, 1), listed.tree());
   for (int ray = 0; ray < 4000; ++ray) {
     const auto coordinate = [&] {
       const float u = ray % 5 == 0 ? 1 : float(std::round(random.between(-4096, 4096)) / 4096);
@@ -225,13 +225,13 @@ TEST(DirectionCube, HoldsWhateverRaysAlongBordersOfCellsHit) {
     const glm::vec3 d = ray % 3 == 0   ? glm::vec3(sign, u, v)
                         : ray % 3 == 1 ? glm::vec3(v, sign, u)
                                        : glm::vec3(u, v, sign);
-    expectHitsInList(listed, cubes, 0, point, d);
+    expectHitsInList(listed, lightBuffers, 0, point, d);
     if (HasFatalFailure()) return;
   }
 }
 
 // Far away the boxes' padding is less than what a float can tell of u and v, and cells end where tiles do.
-TEST(DirectionCube, HoldsWhateverRaysFromAfarHit) {
+TEST(LightBuffer, HoldsWhateverRaysFromAfarHit) {
   RandomNumbers random{std::mt19937_64(13)};
   Scene scene;
   constexpr int kTiles = 32;
@@ -242,18 +242,18 @@ TEST(DirectionCube, HoldsWhateverRaysFromAfarHit) {
       scene.triangles.push_back({{corner(x, y), corner(x + 1, y + 1), corner(x, y + 1)}, 0});
     }
   const Listed listed(std::move(scene));
-  const CubePoint point = pointAt({600, -500, 1000}, 1 << 22);
-  const DirectionCubes cubes = buildDirectionCubes(std::span(&point, 1), listed.tree());
+  const LightBufferPoint point = pointAt({600, -500, 1000}, 1 << 22);
+  const LightBuffers lightBuffers = buildLightBuffers(std::span(&point, 1), listed.tree());
   for (int ray = 0; ray < 4000; ++ray) {
     const dvec3 seam = corner(int(random.index(kTiles)), int(random.index(kTiles)));
     const dvec3 beside(random.between(-1, 1) * (ray % 2 ? 3e-5 : 0.01), random.between(-1, 1) * 3e-5, 0);
-    expectHitsInList(listed, cubes, 0, point, glm::vec3(seam + beside - point.position));
+    expectHitsInList(listed, lightBuffers, 0, point, glm::vec3(seam + beside - point.position));
     if (HasFatalFailure()) return;
   }
 }
 
 // More shapes than lists open to the last: they keep nodes, and replace those that cover a cell.
-TEST(DirectionCube, HoldsWhateverRaysHitOfALargeScene) {
+TEST(LightBuffer, HoldsWhateverRaysHitOfALargeScene) {
   RandomNumbers random{std::mt19937_64(14)};
   Scene scene;
   constexpr int kTiles = 420;
@@ -266,102 +266,103 @@ TEST(DirectionCube, HoldsWhateverRaysHitOfALargeScene) {
       scene.triangles.push_back({{corner(x, y), corner(x + 1, y + 1), corner(x, y + 1)}, 0});
     }
   const Listed listed(std::move(scene));
-  ASSERT_EQ(listed.shapes.pairs.size(), size_t(kTiles * kTiles));
-  const std::vector<CubePoint> points = {pointAt({0.5, -0.5, 2}, 1 << 16), pointAt({0.2, 0.3, 0.1}, 1 << 20)};
-  const DirectionCubes cubes = buildDirectionCubes(points, listed.tree());
-  EXPECT_TRUE(cubes.meetsNodes[0] && cubes.meetsNodes[1]);
+  ASSERT_EQ(listed.prepared.pairs.size(), size_t(kTiles * kTiles));
+  const std::vector<LightBufferPoint> points = {pointAt({0.5, -0.5, 2}, 1 << 16), pointAt({0.2, 0.3, 0.1}, 1 << 20)};
+  const LightBuffers lightBuffers = buildLightBuffers(points, listed.tree());
+  EXPECT_TRUE(lightBuffers.visitsNodes[0] && lightBuffers.visitsNodes[1]);
   for (int ray = 0; ray < 60; ++ray) {
     const dvec3 seam = corner(int(random.index(kTiles)), int(random.index(kTiles)));
     for (size_t p = 0; p < points.size(); ++p)
-      expectHitsInList(listed, cubes, p, points[p], glm::vec3(seam + random.point(1e-4) - points[p].position));
+      expectHitsInList(listed, lightBuffers, p, points[p], glm::vec3(seam + random.point(1e-4) - points[p].position));
     if (HasFatalFailure()) return;
   }
 }
 
 // Every list that a row can lead to.
 template <class Visit>
-void forAllLists(const DirectionCubes& cubes, size_t points, const Visit& visit) {
+void forAllLists(const LightBuffers& lightBuffers, size_t points, const Visit& visit) {
   std::set<size_t> coarse;
   for (size_t f = 0; f < 6 * points; ++f) {
-    const uint side = cubes.rows.at(f).w & 255, first = cubes.rows.at(f).w >> 8;
+    const uint side = lightBuffers.rows.at(f).w & 255, first = lightBuffers.rows.at(f).w >> 8;
     for (uint i = 0; i < side * side; ++i) coarse.insert(first + i);
   }
   for (const size_t cell : coarse) {
-    const uint first = std::bit_cast<uint>(cubes.rows.at(cell).x), side = std::bit_cast<uint>(cubes.rows.at(cell).y);
+    const uint first = std::bit_cast<uint>(lightBuffers.rows.at(cell).x),
+               side = std::bit_cast<uint>(lightBuffers.rows.at(cell).y);
     for (uint i = 0; i < side * side; ++i) {
-      const Row& row = cubes.rows.at(first + i);
+      const Row& row = lightBuffers.rows.at(first + i);
       visit(std::bit_cast<uint>(row.x), std::bit_cast<uint>(row.y), std::bit_cast<uint>(row.z));
     }
   }
 }
 
-TEST(DirectionCube, ListsAreSortedSpheresFirst) {
+TEST(LightBuffer, ListsAreSortedSpheresFirst) {
   RandomNumbers random{std::mt19937_64(9)};
   for (const int count : {30, 3000}) {
     const Listed listed(mixture(random, count));
-    const CubePoint point = pointAt({3, 0, 1}, 1 << 16);
-    const DirectionCubes cubes = buildDirectionCubes(std::span(&point, 1), listed.tree());
+    const LightBufferPoint point = pointAt({3, 0, 1}, 1 << 16);
+    const LightBuffers lightBuffers = buildLightBuffers(std::span(&point, 1), listed.tree());
     size_t lists = 0, nodes = 0;
-    forAllLists(cubes, 1, [&](uint first, uint end, uint triangles) {
+    forAllLists(lightBuffers, 1, [&](uint first, uint end, uint triangles) {
       ++lists;
       ASSERT_LE(first, end);
-      ASSERT_LE(end, 2 * cubes.rows.size());
+      ASSERT_LE(end, 2 * lightBuffers.rows.size());
       for (uint i = first; i < end; ++i) {
-        const Entry entry = entryAt(cubes, i);
+        const Entry entry = entryAt(lightBuffers, i);
         ASSERT_GE(entry.distance, 0);
         nodes += (entry.reference & gpu::kRefLeaf) == 0;
-        if (i > first && (cubes.meetsNodes[0] || i != triangles)) {
-          ASSERT_LE(entryAt(cubes, i - 1).distance, entry.distance);
+        if (i > first && (lightBuffers.visitsNodes[0] || i != triangles)) {
+          ASSERT_LE(entryAt(lightBuffers, i - 1).distance, entry.distance);
         }
-        if (!cubes.meetsNodes[0]) {
+        if (!lightBuffers.visitsNodes[0]) {
           ASSERT_EQ((entry.reference & gpu::kRefTriangle) != 0, i >= triangles);
         }
       }
     });
     EXPECT_GT(lists, 10u);
-    if (!cubes.meetsNodes[0]) {
+    if (!lightBuffers.visitsNodes[0]) {
       EXPECT_EQ(nodes, 0u);
     }
   }
 }
 
-TEST(DirectionCube, IsTheSameTwice) {
+TEST(LightBuffer, IsTheSameTwice) {
   RandomNumbers random{std::mt19937_64(10)};
   const Listed listed(mixture(random, 500));
-  const std::vector<CubePoint> points = {pointAt({0, 0, 3}, 1 << 16), pointAt({1, 2, 0}, 1 << 16, 1)};
-  const DirectionCubes a = buildDirectionCubes(points, listed.tree()), b = buildDirectionCubes(points, listed.tree());
+  const std::vector<LightBufferPoint> points = {pointAt({0, 0, 3}, 1 << 16), pointAt({1, 2, 0}, 1 << 16, 1)};
+  const LightBuffers a = buildLightBuffers(points, listed.tree()), b = buildLightBuffers(points, listed.tree());
   ASSERT_EQ(a.rows.size(), b.rows.size());
   EXPECT_EQ(0, std::memcmp(a.rows.data(), b.rows.data(), a.rows.size() * sizeof(Row)));
-  EXPECT_EQ(a.meetsNodes, b.meetsNodes);
+  EXPECT_EQ(a.visitsNodes, b.visitsNodes);
 }
 
-TEST(DirectionCube, OfAnEmptySceneHasEmptyLists) {
+TEST(LightBuffer, OfAnEmptySceneHasEmptyLists) {
   const Listed listed((Scene()));
-  const std::vector<CubePoint> points = {pointAt({0, 0, 0}, 100), pointAt({1, 2, 3}, 100, 1)};
-  for (const DirectionCubes& cubes :
-       {buildDirectionCubes(points, listed.tree()), wholeTreeCubes(points, listed.tree())}) {
+  const std::vector<LightBufferPoint> points = {pointAt({0, 0, 0}, 100), pointAt({1, 2, 3}, 100, 1)};
+  for (const LightBuffers& lightBuffers :
+       {buildLightBuffers(points, listed.tree()), wholeTreeLightBuffers(points, listed.tree())}) {
     for (const glm::vec3& d : {glm::vec3(1, 0.5f, 0.2f), glm::vec3(-0.1f, -1, 0), glm::vec3(0, 0, 1e9f)}) {
       for (size_t p = 0; p < 2; ++p) {
-        const List list = listOf(cubes, p, d);
+        const List list = listOf(lightBuffers, p, d);
         EXPECT_EQ(list.first, list.end);
-        EXPECT_NO_THROW(entryAt(cubes, list.first));  // a walk looks at one before it compares
+        EXPECT_NO_THROW(entryAt(lightBuffers, list.first));  // a walk looks at one before it compares
       }
     }
   }
 }
 
 // A light more costs less and less.
-TEST(DirectionCube, ManyLightsStayBounded) {
+TEST(LightBuffer, ManyLightsStayBounded) {
   RandomNumbers random{std::mt19937_64(11)};
   const Listed listed(mixture(random, 150));
-  std::vector<CubePoint> points;
+  std::vector<LightBufferPoint> points;
   for (int i = 0; i < 300; ++i) points.push_back(pointAt(toFloat(random.point(1)), 1 << 20));
-  const DirectionCubes cubes = buildDirectionCubes(points, listed.tree());
-  EXPECT_LT(cubes.rows.size() * sizeof(Row), size_t(1) << 29);
+  const LightBuffers lightBuffers = buildLightBuffers(points, listed.tree());
+  EXPECT_LT(lightBuffers.rows.size() * sizeof(Row), size_t(1) << 29);
 }
 
 // Where hundreds of triangles cross every cell, no division helps.
-TEST(DirectionCube, PointAmongLargeTrianglesStaysBounded) {
+TEST(LightBuffer, PointAmongLargeTrianglesStaysBounded) {
   RandomNumbers random{std::mt19937_64(12)};
   Scene scene;
   for (int i = 0; i < 2500; ++i) {
@@ -369,9 +370,9 @@ TEST(DirectionCube, PointAmongLargeTrianglesStaysBounded) {
     scene.triangles.push_back({{at, at + random.point(1), at + random.point(1)}, 0});
   }
   const Listed listed(std::move(scene));
-  CubePoint point = pointAt({0, 0, 0}, 1 << 16);
-  const DirectionCubes cubes = buildDirectionCubes(std::span(&point, 1), listed.tree());
-  EXPECT_LT(cubes.rows.size() * sizeof(Row), size_t(1) << 28);
+  LightBufferPoint point = pointAt({0, 0, 0}, 1 << 16);
+  const LightBuffers lightBuffers = buildLightBuffers(std::span(&point, 1), listed.tree());
+  EXPECT_LT(lightBuffers.rows.size() * sizeof(Row), size_t(1) << 28);
 }
 
 }  // namespace

@@ -9,13 +9,13 @@ namespace turner {
 namespace {
 
 std::string lineOf(const std::string& value) {
-  JsonText json;
+  JsonWriter json;
   json.object([&] { json.put("text", value); });
   return json.oneLine();
 }
 
-TEST(JsonText, OneLineHasNoBreaksOutsideOfStrings) {
-  JsonText json;
+TEST(JsonWriter, OneLineHasNoBreaksOutsideOfStrings) {
+  JsonWriter json;
   json.object([&] {
     json.array("list", [&] {
       json.put(1);
@@ -30,7 +30,7 @@ TEST(JsonText, OneLineHasNoBreaksOutsideOfStrings) {
             "{\"list\": [1,2.5],\"inner\": {\"text\": \"two\\n  lines\"},\"none\": null,\"some\": 3,\"nan\": null}\n");
 }
 
-TEST(JsonText, StringsAreUtf8WhateverTheyWere) {
+TEST(JsonWriter, StringsAreUtf8WhateverTheyWere) {
   EXPECT_EQ(lineOf("caf\xc3\xa9 \xe2\x82\xac \xf0\x9f\x98\x80"),
             "{\"text\": \"caf\xc3\xa9 \xe2\x82\xac \xf0\x9f\x98\x80\"}\n");
   EXPECT_EQ(lineOf("a\xff"

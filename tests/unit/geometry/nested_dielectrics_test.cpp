@@ -57,10 +57,10 @@ void addBox(Scene& scene, const dvec3& lo, const dvec3& hi, uint32_t material, b
 }
 
 size_t solidsOf(const Scene& scene) {
-  return touchingSolids(scene).materials.size();
+  return findNestedDielectrics(scene).materials.size();
 }
 
-TEST(Solids, ApartThereIsNothingToSay) {
+TEST(NestedDielectrics, ApartThereIsNothingToSay) {
   EXPECT_EQ(solidsOf(ballsScene({{{-2, 0, 0}, 1, kGlass}, {{2, 0, 0}, 1, kWater}})), 0u);
   EXPECT_EQ(solidsOf(ballsScene({{{-1, 0, 0}, 1, kGlass}, {{1, 0, 0}, 1, kGlass}})), 0u) << "they touch in a point";
   EXPECT_EQ(solidsOf(ballsScene({{{0, 0, 0}, 1, kGlass}, {{0, 0, 0}, 0.5, kMatte}})), 0u) << "opaque";
@@ -68,53 +68,54 @@ TEST(Solids, ApartThereIsNothingToSay) {
   EXPECT_EQ(solidsOf(emptyScene()), 0u);
 }
 
-TEST(Solids, OfTwoTheSmallerIsSeen) {
+TEST(NestedDielectrics, OfTwoTheSmallerIsSeen) {
   for (const bool waterFirst : {false, true}) {
     vector<Sphere> balls = {{{0, 0, 0}, 1, kGlass}, {{0.5, 0, 0}, 0.75, kWater}};
     if (waterFirst) std::swap(balls[0], balls[1]);
-    const Solids solids = touchingSolids(ballsScene(balls));
-    EXPECT_EQ(solids.materials, (vector<uint32_t>{kGlass, kWater}));
-    EXPECT_EQ(solids.ofSpheres, waterFirst ? (vector<uint32_t>{1, 0}) : (vector<uint32_t>{0, 1}));
+    const NestedDielectrics dielectrics = findNestedDielectrics(ballsScene(balls));
+    EXPECT_EQ(dielectrics.materials, (vector<uint32_t>{kGlass, kWater}));
+    EXPECT_EQ(dielectrics.ofSpheres, waterFirst ? (vector<uint32_t>{1, 0}) : (vector<uint32_t>{0, 1}));
   }
 }
 
-TEST(Solids, OfEqualOnesTheLater) {
-  const Solids solids = touchingSolids(ballsScene({{{0, 0, 0}, 1, kWater}, {{0.5, 0, 0}, 1, kGlass}}));
-  EXPECT_EQ(solids.materials, (vector<uint32_t>{kWater, kGlass}));
-  EXPECT_EQ(solids.ofSpheres, (vector<uint32_t>{0, 1}));
+TEST(NestedDielectrics, OfEqualOnesTheLater) {
+  const NestedDielectrics dielectrics =
+      findNestedDielectrics(ballsScene({{{0, 0, 0}, 1, kWater}, {{0.5, 0, 0}, 1, kGlass}}));
+  EXPECT_EQ(dielectrics.materials, (vector<uint32_t>{kWater, kGlass}));
+  EXPECT_EQ(dielectrics.ofSpheres, (vector<uint32_t>{0, 1}));
 }
 
-TEST(Solids, MaterialsOfEqualValuesAreTheSameGlass) {
-  const Solids solids =
-      touchingSolids(ballsScene({{{0, 0, 0}, 3, kGlass}, {{0, 0, 0}, 2, kWater}, {{0, 0, 0}, 1, kOtherGlass}}));
-  ASSERT_EQ(solids.materials, (vector<uint32_t>{kGlass, kWater, kOtherGlass}));
-  EXPECT_EQ(solids.glasses[0], solids.glasses[2]);
-  EXPECT_NE(solids.glasses[0], solids.glasses[1]);
+TEST(NestedDielectrics, MaterialsOfEqualValuesAreTheSameGlass) {
+  const NestedDielectrics dielectrics =
+      findNestedDielectrics(ballsScene({{{0, 0, 0}, 3, kGlass}, {{0, 0, 0}, 2, kWater}, {{0, 0, 0}, 1, kOtherGlass}}));
+  ASSERT_EQ(dielectrics.materials, (vector<uint32_t>{kGlass, kWater, kOtherGlass}));
+  EXPECT_EQ(dielectrics.glasses[0], dielectrics.glasses[2]);
+  EXPECT_NE(dielectrics.glasses[0], dielectrics.glasses[1]);
 }
 
-TEST(Solids, OnlyThoseThatMeetAnother) {
-  const Solids solids = touchingSolids(
+TEST(NestedDielectrics, OnlyThoseThatMeetAnother) {
+  const NestedDielectrics dielectrics = findNestedDielectrics(
       ballsScene({{{9, 0, 0}, 1, kGlass}, {{0, 0, 0}, 1, kGlass}, {{-9, 0, 0}, 1, kWater}, {{1, 0, 0}, 0.9, kWater}}));
-  EXPECT_EQ(solids.ofSpheres, (vector<uint32_t>{kNoSolid, 0, kNoSolid, 1}));
+  EXPECT_EQ(dielectrics.ofSpheres, (vector<uint32_t>{kNoMedium, 0, kNoMedium, 1}));
 }
 
-TEST(Solids, HollowsBelongToTheSmallestAroundThem) {
+TEST(NestedDielectrics, HollowsBelongToTheSmallestAroundThem) {
   // A ball in a hollow of another, and both in a third one.
-  const Solids solids = touchingSolids(ballsScene({{{0, 0, 0}, 4, kGlass},
-                                                   {{0, 0, 0}, 3, kWater},
-                                                   {{0, 0, 0}, -2, kWater},
-                                                   {{0, 0, 0}, 1, kGlass},
-                                                   {{7, 0, 0}, -1, kWater}}));
-  EXPECT_EQ(solids.ofSpheres, (vector<uint32_t>{0, 1, 1, 2, kNoSolid}));
+  const NestedDielectrics dielectrics = findNestedDielectrics(ballsScene({{{0, 0, 0}, 4, kGlass},
+                                                                          {{0, 0, 0}, 3, kWater},
+                                                                          {{0, 0, 0}, -2, kWater},
+                                                                          {{0, 0, 0}, 1, kGlass},
+                                                                          {{7, 0, 0}, -1, kWater}}));
+  EXPECT_EQ(dielectrics.ofSpheres, (vector<uint32_t>{0, 1, 1, 2, kNoMedium}));
 }
 
-TEST(Solids, ClosedTrianglesMakeOne) {
+TEST(NestedDielectrics, ClosedTrianglesMakeOne) {
   Scene scene = emptyScene();
   addBox(scene, {0, 0, 0}, {1, 1, 1}, kGlass);
   addBox(scene, {1, 0, 0}, {2, 2, 2}, kWater);
-  Solids solids = touchingSolids(scene);
-  EXPECT_EQ(solids.materials, (vector<uint32_t>{kWater, kGlass})) << "they share a part of a face";
-  EXPECT_EQ(std::count(solids.ofTriangles.begin(), solids.ofTriangles.end(), 1u), 12);
+  NestedDielectrics dielectrics = findNestedDielectrics(scene);
+  EXPECT_EQ(dielectrics.materials, (vector<uint32_t>{kWater, kGlass})) << "they share a part of a face";
+  EXPECT_EQ(std::count(dielectrics.ofTriangles.begin(), dielectrics.ofTriangles.end(), 1u), 12);
 
   Scene open = scene;
   open.triangles.erase(open.triangles.begin() + 3);
@@ -128,16 +129,16 @@ TEST(Solids, ClosedTrianglesMakeOne) {
   EXPECT_EQ(solidsOf(apart), 0u);
 }
 
-TEST(Solids, BoxesOfOneMaterialInARowAreTwo) {
+TEST(NestedDielectrics, BoxesOfOneMaterialInARowAreTwo) {
   Scene scene = emptyScene();
   addBox(scene, {0, 0, 0}, {1, 1, 1}, kGlass);
   addBox(scene, {1, 0, 0}, {2, 1, 1}, kGlass);
-  const Solids solids = touchingSolids(scene);
-  EXPECT_EQ(solids.materials.size(), 2u);
-  EXPECT_EQ(std::count(solids.ofTriangles.begin(), solids.ofTriangles.end(), 0u), 12);
+  const NestedDielectrics dielectrics = findNestedDielectrics(scene);
+  EXPECT_EQ(dielectrics.materials.size(), 2u);
+  EXPECT_EQ(std::count(dielectrics.ofTriangles.begin(), dielectrics.ofTriangles.end(), 0u), 12);
 }
 
-TEST(Solids, TrianglesMeetWhereTheyCrossNotWhereTheirBoundsDo) {
+TEST(NestedDielectrics, TrianglesMeetWhereTheyCrossNotWhereTheirBoundsDo) {
   // Two slabs along a diagonal, within each other's bounds: 0.2 apart, then crossing.
   for (const bool crossing : {false, true}) {
     Scene scene = emptyScene();
@@ -148,7 +149,7 @@ TEST(Solids, TrianglesMeetWhereTheyCrossNotWhereTheirBoundsDo) {
   }
 }
 
-TEST(Solids, SpheresAndMeshesMeet) {
+TEST(NestedDielectrics, SpheresAndMeshesMeet) {
   // An octahedron.
   Scene scene = emptyScene();
   for (int i = 0; i < 8; ++i) {
@@ -168,7 +169,7 @@ TEST(Solids, SpheresAndMeshesMeet) {
   EXPECT_EQ(with({{0.9, 0.9, 0.9}, 0.4, kWater}), 0u) << "in a corner of its bounds";
 }
 
-TEST(Solids, VertexNormalsDecideTheFront) {
+TEST(NestedDielectrics, VertexNormalsDecideTheFront) {
   Scene scene = emptyScene();
   addBox(scene, {0, 0, 0}, {1, 1, 1}, kGlass, true);
   addBox(scene, {1, 0, 0}, {2, 2, 2}, kWater);
@@ -181,13 +182,13 @@ TEST(Solids, VertexNormalsDecideTheFront) {
   EXPECT_EQ(solidsOf(scene), 2u);
 }
 
-TEST(Solids, KnowTheEyes) {
+TEST(NestedDielectrics, KnowTheEyes) {
   Scene scene = ballsScene({{{0, 0, 0}, 3, kGlass}, {{0, 0, 0}, 2, kWater}, {{0, 0, 0}, -1, kWater}});
   addBox(scene, {-2.5, -2.5, -2.5}, {2.5, 2.5, 2.5}, kOtherGlass);
   const auto around = [&](const dvec3& eye) {
     scene.camera.eye = eye;
-    const vector<uint32_t> exact = touchingSolids(scene).aroundEye;
-    EXPECT_EQ(touchingSolids(roundScene(scene)).aroundEye, exact);
+    const vector<uint32_t> exact = findNestedDielectrics(scene).aroundEye;
+    EXPECT_EQ(findNestedDielectrics(roundScene(scene)).aroundEye, exact);
     return exact;
   };
   // By volume: the box, the ball of glass, that of water.
@@ -199,7 +200,7 @@ TEST(Solids, KnowTheEyes) {
   EXPECT_EQ(around({2.4, 2.4, 2.4}), vector<uint32_t>{0}) << "in a corner of the box";
 }
 
-TEST(Solids, ThoseOnSomethingOpaqueAreNoticedWhereRoundingSeparatesThem) {
+TEST(NestedDielectrics, ThoseOnSomethingOpaqueAreNoticedWhereRoundingSeparatesThem) {
   for (const double lean : {0.0, 0.25}) {
     for (const double gap : {0.0, 1e-8, 0.01}) {
       Scene scene = emptyScene();
@@ -220,7 +221,7 @@ TEST(Solids, ThoseOnSomethingOpaqueAreNoticedWhereRoundingSeparatesThem) {
   EXPECT_EQ(balls(1 - 1e-6), 0u);
 }
 
-TEST(Solids, SizesAndDistancesOfAllKindsInOneMaterial) {
+TEST(NestedDielectrics, SizesAndDistancesOfAllKindsInOneMaterial) {
   // A box of 2 mm with water in it, 5 mm from the eye, and a window of the same glass 2 km away.
   Scene scene = emptyScene();
   scene.camera = {.eye = {0, 0, 0.005}, .target = {0, 0, 0}};
@@ -231,7 +232,7 @@ TEST(Solids, SizesAndDistancesOfAllKindsInOneMaterial) {
   EXPECT_EQ(solidsOf(scene), 2u);
 }
 
-TEST(Solids, MillionsAreNoTrouble) {
+TEST(NestedDielectrics, MillionsAreNoTrouble) {
   Scene scene = emptyScene();
   for (int i = 0; i < 100000; ++i) scene.spheres.push_back({{0, 0, 0}, 1 + i * 1e-5, kGlass});  // one in the other
   for (int i = 0; i < 300000; ++i)
@@ -254,7 +255,7 @@ size_t differences(const Image& a, const Image& b, float most) {
 
 // Blocks and films that are thinner than float32 can tell, tilted: the tree and the file's order decide nothing, and
 // shader and reference agree.
-TEST(Solids, FilmsBetweenBlocksInAnyOrder) {
+TEST(NestedDielectrics, FilmsBetweenBlocksInAnyOrder) {
   const dvec3 x = glm::normalize(dvec3(1, 0.3, -0.4)), y = glm::normalize(glm::cross(dvec3(0.2, 0, 1), x)),
               z = glm::cross(x, y);
   for (const double film : {2e-6, 1e-5}) {
@@ -283,7 +284,7 @@ TEST(Solids, FilmsBetweenBlocksInAnyOrder) {
 }
 
 // Vertex normals that turn over within a triangle do not change what is inside.
-TEST(Solids, SidesAreThoseOfWholeTriangles) {
+TEST(NestedDielectrics, SidesAreThoseOfWholeTriangles) {
   Scene scene = emptyScene();
   scene.background = {0.5, 0.75, 1};
   scene.camera = {.eye = {2, 3, 6}, .target = {0, 0, 0}, .fov = 40};
@@ -301,7 +302,7 @@ TEST(Solids, SidesAreThoseOfWholeTriangles) {
 }
 
 // Pictures in which a ray is in more solids than the kernel has room for are not made.
-TEST(Solids, TooManyAtOnceAreAnError) {
+TEST(NestedDielectrics, TooManyAtOnceAreAnError) {
   Scene scene = emptyScene();
   scene.depth = 32;
   for (uint32_t i = 0; i < 10; ++i) {

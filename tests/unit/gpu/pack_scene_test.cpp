@@ -113,14 +113,14 @@ PackedScene pack(const Scene& scene) {
 
 TEST(Pack, RefusesATreeDeeperThanTheStack) {
   const Scene scene = mixedScene();
-  const Shapes shapes = shapesOf(roundScene(scene));
-  Bvh bvh = buildBvh(shapes.boxes, shapes.firstPair());
+  const PreparedGeometry prepared = prepareGeometry(roundScene(scene));
+  Bvh bvh = buildBvh(prepared.boxes, prepared.firstPair());
   bvh.depth = int(gpu::kMaxTreeDepth) + 1;
-  EXPECT_THROW(packScene(shapes, bvh, test::settingsOf(scene, 64, 64)), RunError);
+  EXPECT_THROW(packScene(prepared, bvh, test::settingsOf(scene, 64, 64)), RunError);
 }
 
-std::vector<gpu::uint> idsByPrecedence(const Shapes& shapes) {
-  const std::vector<gpu::uint> places = precedences(shapes);
+std::vector<gpu::uint> idsByRank(const PreparedGeometry& prepared) {
+  const std::vector<gpu::uint> places = tieBreakRanks(prepared);
   std::vector<gpu::uint> ids(places.size(), gpu::kRefNone);
   for (gpu::uint id = 0; id < places.size(); ++id) ids.at(places[id]) = id;
   return ids;
@@ -133,12 +133,12 @@ TEST(Pack, OpaqueComesBeforeGlassAndGlassByPriority) {
   scene.spheres = {{{9, 0, 0}, 1, 1}, {{0, 9, 0}, 1, 0}, {{0, 0, 0}, 2, 1}, {{0, 0, 0}, 1, 2}, {{0, -9, 0}, 1, 0}};
   scene.triangles.clear();
   scene.normals.clear();
-  EXPECT_EQ(idsByPrecedence(shapesOf(roundScene(scene))), (std::vector<gpu::uint>{1, 4, 0, 3, 2}));
-  EXPECT_TRUE(pack(scene).features.solids);
+  EXPECT_EQ(idsByRank(prepareGeometry(roundScene(scene))), (std::vector<gpu::uint>{1, 4, 0, 3, 2}));
+  EXPECT_TRUE(pack(scene).features.dielectrics);
   scene.spheres.pop_back();
   scene.spheres.erase(scene.spheres.begin() + 3);
-  EXPECT_EQ(idsByPrecedence(shapesOf(roundScene(scene))), (std::vector<gpu::uint>{1, 0, 2}));
-  EXPECT_FALSE(pack(scene).features.solids);
+  EXPECT_EQ(idsByRank(prepareGeometry(roundScene(scene))), (std::vector<gpu::uint>{1, 0, 2}));
+  EXPECT_FALSE(pack(scene).features.dielectrics);
 }
 
 // Walks the packed tree as the kernel does.
@@ -171,16 +171,16 @@ struct PackedCensus {
     const gpu::uint firstUnits = ((reference >> gpu::kRefCountShift & gpu::kRefCountMask) + 1) *
                                  (reference & gpu::kRefTriangle ? gpu::kPairUnits : gpu::kSphereUnits);
     const gpu::uint secondLeaf =
-        gpu::kRefLeaf | (tags << 26 & 0x70000000u) | ((reference & gpu::kRefPlaceMask) + firstUnits);
+        gpu::kRefLeaf | (tags << 26 & 0x70000000u) | ((reference & gpu::kRefOffsetMask) + firstUnits);
     visit(tags & 1 ? reference : below, lo[0], hi[0]);
     visit(!(tags & 1) ? reference : !(tags & 2) ? below : secondLeaf, lo[1], hi[1]);
   }
 
   // The triangle is the scene's, its corners in cyclic order, each with its normal.
   template <class ExpectInside>
-  void expectTriangle(gpu::uint precedence, const std::array<gpu::Row, 3>& rows, const gpu::Row& plane,
-                      gpu::uint material, gpu::uint normals, const ExpectInside& expectInside) {
-    const gpu::uint id = ids.at(precedence);
+  void expectTriangle(gpu::uint rank, const std::array<gpu::Row, 3>& rows, const gpu::Row& plane, gpu::uint material,
+                      gpu::uint normals, const ExpectInside& expectInside) {
+    const gpu::uint id = ids.at(rank);
     ++seen.at(id);
     const Triangle& triangle = local.triangles.at(id - local.spheres.size());
     EXPECT_EQ(material, triangle.material);
@@ -209,7 +209,7 @@ struct PackedCensus {
         EXPECT_LE(p[k], hi[k]);
       }
     };
-    size_t row = gpu::kUnitRows * size_t(reference & gpu::kRefPlaceMask);
+    size_t row = gpu::kUnitRows * size_t(reference & gpu::kRefOffsetMask);
     for (gpu::uint left = (reference >> gpu::kRefCountShift & gpu::kRefCountMask) + 1; left > 0; --left) {
       const gpu::Row& first = packed.primitives.at(row);
       if (reference & gpu::kRefTriangle) {
@@ -240,7 +240,7 @@ TEST(Pack, EveryPrimitiveIsReachedOnceAndInItsBoxes) {
   const Scene scene = mixedScene();
   const Scene local = roundScene(scene);
   const PackedScene packed = pack(scene);
-  PackedCensus census{packed, local, idsByPrecedence(shapesOf(local)), std::vector<int>(700, 0)};
+  PackedCensus census{packed, local, idsByRank(prepareGeometry(local)), std::vector<int>(700, 0)};
   census.visit(packed.view.root, glm::dvec3(-INFINITY), glm::dvec3(INFINITY));
   EXPECT_EQ(census.pairs, 300u);  // 100 of two triangles, 200 of one
   for (const int times : census.seen) EXPECT_EQ(times, 1);

@@ -116,7 +116,7 @@ TEST(Render, KernelsInTurnKeepTheirOwnPictures) {
   const std::string factor = "weight * localWeight(material)";
   ASSERT_NE(text.find(factor), std::string::npos);
   text.replace(text.find(factor), factor.size(), "0.0 * " + factor);
-  const Spirv dark = compileGlsl(sources, fetchPreamble(test::renderer().fetch()));
+  const Spirv dark = compileGlsl(sources, accessPreamble(test::renderer().access()));
   for (int turn = 0; turn < 3; ++turn) {
     EXPECT_FALSE(sameBits(test::renderer().render(dark, settings).image, expected)) << turn;
     EXPECT_TRUE(sameBits(test::renderer().render(test::kernel(), settings).image, expected)) << turn;
@@ -128,8 +128,8 @@ TEST(Render, DoesNotDependOnTheTree) {
     const Scene scene = ours(name);
     const RenderSettings settings = settingsOf(scene, 80, 60);
     const Image expected = renderShader(scene, settings);
-    const Shapes shapes = shapesOf(roundScene(scene));
-    test::renderer().upload(packScene(shapes, buildMedianBvh(shapes.boxes, shapes.firstPair()), settings));
+    const PreparedGeometry prepared = prepareGeometry(roundScene(scene));
+    test::renderer().upload(packScene(prepared, buildMedianBvh(prepared.boxes, prepared.firstPair()), settings));
     EXPECT_TRUE(sameBits(test::renderer().render(test::kernel(), settings).image, expected)) << name;
   }
 }
@@ -142,12 +142,13 @@ TEST_P(AllScenes, DoNotDependOnListsOrFetching) {
   RenderSettings settings = settingsOf(scene, 120, 80);
   settings.depth = std::min(settings.depth, 5);
   const Image expected = renderShader(scene, settings);
-  test::renderer().upload(test::packed(scene, settings, Cubes::wholeTree));
+  test::renderer().upload(test::packed(scene, settings, TraversalStart::wholeTree));
   EXPECT_TRUE(sameBits(test::renderer().render(test::kernel(), settings).image, expected)) << "without lists";
-  for (const Fetch fetch : {Fetch::texels, Fetch::buffers, Fetch::addresses}) {
-    ShaderRenderer other(chooseDevice(listDevices(), test::wantedDevice()), fetch);
+  for (const BufferAccess access :
+       {BufferAccess::texelBuffer, BufferAccess::storageBuffer, BufferAccess::deviceAddress}) {
+    ShaderRenderer other(chooseDevice(listDevices(), test::wantedDevice()), access);
     other.upload(test::packed(scene, settings));
-    EXPECT_TRUE(sameBits(other.render(test::compileKernel(fetch), settings).image, expected)) << fetchName(fetch);
+    EXPECT_TRUE(sameBits(other.render(test::compileKernel(access), settings).image, expected)) << accessName(access);
   }
 }
 
@@ -210,13 +211,13 @@ TEST(Render, PairsGiveThePictureOfTheirTriangles) {
   alone.triangles.insert(alone.triangles.end(), seconds.begin(), seconds.end());
   for (size_t i = 0; i < 300; ++i)
     paired.triangles.insert(paired.triangles.begin() + std::ptrdiff_t(2 * i + 1), seconds[i]);
-  ASSERT_LT(shapesOf(roundScene(paired)).pairs.size(), 400u);
-  ASSERT_EQ(shapesOf(roundScene(alone)).pairs.size(), 600u);
+  ASSERT_LT(prepareGeometry(roundScene(paired)).pairs.size(), 400u);
+  ASSERT_EQ(prepareGeometry(roundScene(alone)).pairs.size(), 600u);
   const RenderSettings settings = settingsOf(paired, 160, 120);
   const Image expected = renderShader(alone, settings);
   EXPECT_TRUE(sameBits(renderShader(paired, settings), expected));
   EXPECT_TRUE(sameBits(renderShader(paired, settings, {.budget = 16}), expected)) << "interrupted at every step";
-  test::renderer().upload(test::packed(paired, settings, Cubes::wholeTree));
+  test::renderer().upload(test::packed(paired, settings, TraversalStart::wholeTree));
   EXPECT_TRUE(sameBits(test::renderer().render(test::kernel(), settings).image, expected)) << "without lists";
 }
 
@@ -488,8 +489,8 @@ TEST(Render, LoopsOfFewLanesAreBounded) {
   }
   for (int i = 0; i < 300; ++i) scene.lights.push_back({.position = {anywhere(random), anywhere(random), -2}});
   const RenderSettings settings = settingsOf(scene, 8, 8, 16);
-  for (const Cubes cubes : {Cubes::lists, Cubes::wholeTree}) {
-    test::renderer().upload(test::packed(scene, settings, cubes));
+  for (const TraversalStart lightBuffers : {TraversalStart::lists, TraversalStart::wholeTree}) {
+    test::renderer().upload(test::packed(scene, settings, lightBuffers));
     EXPECT_NO_THROW(test::renderer().render(test::kernel(), settings));
   }
 }

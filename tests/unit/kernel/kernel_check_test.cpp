@@ -22,7 +22,8 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-constexpr Fetch kAllWays[] = {Fetch::texels, Fetch::buffers, Fetch::addresses};
+constexpr BufferAccess kAllWays[] = {BufferAccess::texelBuffer, BufferAccess::storageBuffer,
+                                     BufferAccess::deviceAddress};
 
 std::string shaderPath(const std::string& file) {
   return TURNER_SHADERS_DIR "/" + file;
@@ -48,17 +49,17 @@ std::vector<ShaderSource> edited(const std::vector<Edit>& edits) {
 }
 
 // Empty if the kernel may be used.
-std::string complaintAbout(const std::vector<ShaderSource>& sources, Fetch fetch) {
-  const Spirv kernel = compileGlsl(sources, fetchPreamble(fetch));
+std::string complaintAbout(const std::vector<ShaderSource>& sources, BufferAccess access) {
+  const Spirv kernel = compileGlsl(sources, accessPreamble(access));
   try {
-    checkKernel(kernel, sources, fetch);
+    checkKernel(kernel, sources, access);
   } catch (const InputError& error) {
     return error.what();
   }
   return "";
 }
-std::string complaintAbout(const std::vector<Edit>& edits, Fetch fetch = Fetch::buffers) {
-  return complaintAbout(edited(edits), fetch);
+std::string complaintAbout(const std::vector<Edit>& edits, BufferAccess access = BufferAccess::storageBuffer) {
+  return complaintAbout(edited(edits), access);
 }
 
 // "path:12:3: error: " of the first byte of `at` in the edited file.
@@ -90,7 +91,8 @@ std::vector<ShaderSource> smallKernel(const std::string& declarations, const std
 }
 
 TEST(KernelCheck, TheKernelPassesInAllWaysOfFetching) {
-  for (const Fetch fetch : kAllWays) EXPECT_EQ(complaintAbout(std::vector<Edit>(), fetch), "") << fetchName(fetch);
+  for (const BufferAccess access : kAllWays)
+    EXPECT_EQ(complaintAbout(std::vector<Edit>(), access), "") << accessName(access);
 }
 
 // --- changes that the host does not mind -----------------------------------------------------------------------------
@@ -98,11 +100,11 @@ TEST(KernelCheck, TheKernelPassesInAllWaysOfFetching) {
 TEST(KernelCheck, APrivateConstantPasses) {
   const Edit edit = {"whitted.comp", "const uint kDone = kPixelDone;",
                      "const uint kDone = kPixelDone;\nconst float kMine[2] = {0.5, 2.0};"};
-  for (const Fetch fetch : kAllWays)
+  for (const BufferAccess access : kAllWays)
     EXPECT_EQ(complaintAbout({edit, {"whitted.comp", "sum / float(SAMPLES", "kMine[phase & 1u] * sum / float(SAMPLES"}},
-                             fetch),
+                             access),
               "")
-        << fetchName(fetch);
+        << accessName(access);
 }
 
 TEST(KernelCheck, AConstantIdOfTheUsersOwnPasses) {
@@ -114,16 +116,17 @@ TEST(KernelCheck, AConstantIdOfTheUsersOwnPasses) {
 
 TEST(KernelCheck, AnUnusedBindingMayGo) {
   const std::vector<Edit> edits = {
-      {"fetch.glsl", "ROWS(lights, kBindLights);", ""},
+      {"buffer_access.glsl", "ROWS(lights, kBindLights);", ""},
       {"whitted.comp", "Row position = ROW(lights, kLightRows * light + kLightPosition);", "Row position = Row(0u);"},
       {"whitted.comp", "Row color = ROW(lights, kLightRows * light + kLightColor);", "Row color = Row(0u);"}};
-  for (const Fetch fetch : kAllWays) EXPECT_EQ(complaintAbout(edits, fetch), "") << fetchName(fetch);
+  for (const BufferAccess access : kAllWays) EXPECT_EQ(complaintAbout(edits, access), "") << accessName(access);
 }
 
 TEST(KernelCheck, MembersAtTheEndMayBeLeftAway) {
-  const std::vector<Edit> edits = {{"whitted.comp", "buffer StatusBuffer { Status status; };",
-                                    "buffer StatusBuffer { uint unfinished, limiter, samplesWaiting; } status;"},
-                                   {"whitted.comp", "if (SOLIDS && solidsLost) atomicAdd(status.solidsLost, 1u);", ""}};
+  const std::vector<Edit> edits = {
+      {"whitted.comp", "buffer StatusBuffer { Status status; };",
+       "buffer StatusBuffer { uint unfinished, limiter, samplesWaiting; } status;"},
+      {"whitted.comp", "if (NESTED_DIELECTRICS && mediaLost) atomicAdd(status.mediaLost, 1u);", ""}};
   EXPECT_EQ(complaintAbout(edits), "");
 }
 
@@ -132,7 +135,7 @@ TEST(KernelCheck, SharedMemoryAndSubgroupsPass) {
                 smallKernel("#extension GL_KHR_shader_subgroup_ballot : require\nshared uint kept[64];\n",
                             "  kept[gl_LocalInvocationIndex & 63u] = subgroupBallotBitCount(subgroupBallot(true));\n"
                             "  barrier();\n  pixels[0].x = kept[0];\n"),
-                Fetch::buffers),
+                BufferAccess::storageBuffer),
             "");
 }
 
@@ -146,12 +149,13 @@ TEST(KernelCheck, ABlockMayHaveAnotherName) {
 
 TEST(KernelCheck, ABindingBeyondTheHostsIsRefused) {
   const Edit edit = {"whitted.comp", "binding = kBindStatus", "binding = 12"};
-  for (const Fetch fetch : kAllWays)
-    EXPECT_THAT(complaintAbout({edit}, fetch), AllOf(StartsWith(placeOf({edit}, "whitted.comp", "StatusBuffer")),
-                                                     HasSubstr("StatusBuffer has binding 12; turner binds 0 to " +
-                                                               std::string(fetch == Fetch::addresses ? "3" : "9")),
-                                                     HasSubstr("; take one of these")))
-        << fetchName(fetch);
+  for (const BufferAccess access : kAllWays)
+    EXPECT_THAT(complaintAbout({edit}, access),
+                AllOf(StartsWith(placeOf({edit}, "whitted.comp", "StatusBuffer")),
+                      HasSubstr("StatusBuffer has binding 12; turner binds 0 to " +
+                                std::string(access == BufferAccess::deviceAddress ? "3" : "9")),
+                      HasSubstr("; take one of these")))
+        << accessName(access);
 }
 
 TEST(KernelCheck, SwappedBindingsAreRefused) {
@@ -169,14 +173,15 @@ TEST(KernelCheck, SwappedBindingsAreRefused) {
 }
 
 TEST(KernelCheck, SwappedRowsAreRefusedAtTheirMacros) {
-  const std::vector<Edit> edits = {{"fetch.glsl", "ROWS(nodes, kBindNodes)", "ROWS(nodes, kBindPrimitives)"},
-                                   {"fetch.glsl", "ROWS(primitives, kBindPrimitives)", "ROWS(primitives, kBindNodes)"}};
-  for (const Fetch fetch : {Fetch::texels, Fetch::buffers}) {
-    const std::string complaint = complaintAbout(edits, fetch);
+  const std::vector<Edit> edits = {
+      {"buffer_access.glsl", "ROWS(nodes, kBindNodes)", "ROWS(nodes, kBindPrimitives)"},
+      {"buffer_access.glsl", "ROWS(primitives, kBindPrimitives)", "ROWS(primitives, kBindNodes)"}};
+  for (const BufferAccess access : {BufferAccess::texelBuffer, BufferAccess::storageBuffer}) {
+    const std::string complaint = complaintAbout(edits, access);
     EXPECT_EQ(linesOf(complaint), 2u) << complaint;
-    EXPECT_THAT(complaint, HasSubstr(placeOf(edits, "fetch.glsl", "nodes, kBindPrimitives")));
+    EXPECT_THAT(complaint, HasSubstr(placeOf(edits, "buffer_access.glsl", "nodes, kBindPrimitives")));
     EXPECT_THAT(complaint, HasSubstr("has binding 5, where turner binds the primitives; write binding = kBindNodes"));
-    EXPECT_THAT(complaint, HasSubstr(placeOf(edits, "fetch.glsl", "primitives, kBindNodes")));
+    EXPECT_THAT(complaint, HasSubstr(placeOf(edits, "buffer_access.glsl", "primitives, kBindNodes")));
   }
 }
 
@@ -200,36 +205,36 @@ TEST(KernelCheck, ASecondUseOfABindingIsRefused) {
 TEST(KernelCheck, RowsInAnotherWayAreRefused) {
   // The kernel that was compiled for one way, with the host fetching in another.
   const std::vector<ShaderSource> sources = edited({});
-  const auto complaint = [&](Fetch compiled, Fetch bound) {
+  const auto complaint = [&](BufferAccess compiled, BufferAccess bound) {
     try {
-      checkKernel(compileGlsl(sources, fetchPreamble(compiled)), sources, bound);
+      checkKernel(compileGlsl(sources, accessPreamble(compiled)), sources, bound);
     } catch (const InputError& error) {
       return std::string(error.what());
     }
     return std::string();
   };
-  const std::string place = placeOf({}, "fetch.glsl", "nodes, kBindNodes");
+  const std::string location = placeOf({}, "buffer_access.glsl", "nodes, kBindNodes");
   EXPECT_THAT(
-      complaint(Fetch::texels, Fetch::buffers),
-      HasSubstr(place + "nodes is a storage texel buffer; at binding 4 turner binds the nodes as a storage buffer"));
+      complaint(BufferAccess::texelBuffer, BufferAccess::storageBuffer),
+      HasSubstr(location + "nodes is a storage texel buffer; at binding 4 turner binds the nodes as a storage buffer"));
   EXPECT_THAT(
-      complaint(Fetch::buffers, Fetch::texels),
-      HasSubstr(place + "nodesBuffer is a storage buffer; at binding 4 turner binds the nodes as a storage texel "
-                        "buffer; declare it by ROWS() of fetch.glsl"));
-  EXPECT_EQ(linesOf(complaint(Fetch::buffers, Fetch::texels)), size_t(kRowArrays));
+      complaint(BufferAccess::storageBuffer, BufferAccess::texelBuffer),
+      HasSubstr(location + "nodesBuffer is a storage buffer; at binding 4 turner binds the nodes as a storage texel "
+                           "buffer; declare it by ROWS() of buffer_access.glsl"));
+  EXPECT_EQ(linesOf(complaint(BufferAccess::storageBuffer, BufferAccess::texelBuffer)), size_t(kRowArrays));
   EXPECT_THAT(
-      complaint(Fetch::buffers, Fetch::addresses),
-      HasSubstr(place + "nodesBuffer has binding 4; turner binds 0 to 3 where rows are fetched as addresses; read "
-                        "rows by ROW() of fetch.glsl"));
-  EXPECT_THAT(complaint(Fetch::addresses, Fetch::buffers),
+      complaint(BufferAccess::storageBuffer, BufferAccess::deviceAddress),
+      HasSubstr(location + "nodesBuffer has binding 4; turner binds 0 to 3 where rows are fetched as addresses; read "
+                           "rows by ROW() of buffer_access.glsl"));
+  EXPECT_THAT(complaint(BufferAccess::deviceAddress, BufferAccess::storageBuffer),
               HasSubstr("needs PhysicalStorageBufferAddresses, which turner's device is not opened with where rows are "
                         "fetched as buffers"));
 }
 
 TEST(KernelCheck, TexelsOfAnotherFormatAreRefused) {
-  const std::vector<Edit> edits = {{"fetch.glsl", "rgba32ui) readonly", "rgba16ui) readonly"}};
-  EXPECT_THAT(complaintAbout(edits, Fetch::texels),
-              AllOf(HasSubstr(placeOf(edits, "fetch.glsl", "nodes, kBindNodes")),
+  const std::vector<Edit> edits = {{"buffer_access.glsl", "rgba32ui) readonly", "rgba16ui) readonly"}};
+  EXPECT_THAT(complaintAbout(edits, BufferAccess::texelBuffer),
+              AllOf(HasSubstr(placeOf(edits, "buffer_access.glsl", "nodes, kBindNodes")),
                     HasSubstr("nodes has texels of another format; turner binds the nodes as rgba32ui")));
 }
 
@@ -251,7 +256,7 @@ TEST(KernelCheck, OtherResourcesAreRefused) {
   };
   for (const auto& each : cases) {
     const std::vector<ShaderSource> sources = smallKernel(each.declaration, each.statement);
-    const std::string complaint = complaintAbout(sources, Fetch::buffers);
+    const std::string complaint = complaintAbout(sources, BufferAccess::storageBuffer);
     EXPECT_THAT(complaint, AllOf(StartsWith(sources[0].path + ":6:"), HasSubstr(each.complaint)));
     EXPECT_EQ(linesOf(complaint), 1u) << complaint;
   }
@@ -271,8 +276,8 @@ TEST(KernelCheck, SwappedMembersAreRefused) {
 
 TEST(KernelCheck, AnInsertedMemberIsOneFault) {
   const std::vector<Edit> edits = {{"layout.h", "Row centreHi; ", "Row mine; Row centreHi; "}};
-  for (const Fetch fetch : kAllWays) {
-    const std::string complaint = complaintAbout(edits, fetch);
+  for (const BufferAccess access : kAllWays) {
+    const std::string complaint = complaintAbout(edits, access);
     EXPECT_THAT(complaint, AllOf(StartsWith(placeOf(edits, "layout.h", "mine;")),
                                  HasSubstr("byte 0 of Frame is called mine here, but centreHi in the running turner")));
     EXPECT_EQ(linesOf(complaint), 1u) << complaint;
@@ -292,7 +297,7 @@ TEST(KernelCheck, AMemberBehindTheHostsIsRefused) {
 TEST(KernelCheck, AMemberOfAnotherTypeIsRefused) {
   const std::vector<Edit> edits = {
       {"whitted.comp", "buffer StatusBuffer { Status status; };",
-       "buffer StatusBuffer { float unfinished; uint limiter, samplesWaiting, solidsLost; } status;"},
+       "buffer StatusBuffer { float unfinished; uint limiter, samplesWaiting, mediaLost; } status;"},
       {"whitted.comp", "atomicAdd(status.unfinished, 1u);", "status.unfinished = 1.0;"}};
   EXPECT_THAT(complaintAbout(edits), AllOf(StartsWith(placeOf(edits, "whitted.comp", "unfinished; uint limiter")),
                                            HasSubstr("unfinished is a float here, but a uint in the running turner")));
@@ -318,9 +323,9 @@ TEST(KernelCheck, AnotherStrideIsRefused) {
        "struct Pixel { Row row, mine; };\nlayout(std430, binding = kBindPixels)"},
       {"whitted.comp", "pixels[at].w", "pixels[at].row.w"},
       {"whitted.comp", "pixels[at] = packRow", "pixels[at].row = packRow"}};
-  for (const Fetch fetch : kAllWays)
+  for (const BufferAccess access : kAllWays)
     EXPECT_THAT(
-        complaintAbout(edits, fetch),
+        complaintAbout(edits, access),
         AllOf(StartsWith(placeOf(edits, "whitted.comp", "PixelBuffer")),
               HasSubstr("PixelBuffer holds struct Pixel[]; at binding 2 turner binds the pixels, which are rows"),
               HasSubstr("declare it as { Row pixels[]; }")));
@@ -345,7 +350,7 @@ TEST(KernelCheck, ConstantsHaveTheTypesOfFeatures) {
       return complaintAbout(
           smallKernel("layout(constant_id = " + number + ") const " + type + " MINE = " + type + "(1);\n",
                       "  if (float(MINE) > 0.5) pixels[0].x = 1u;\n"),
-          Fetch::buffers);
+          BufferAccess::storageBuffer);
     };
     const std::string asBool = complaint("bool"), asUint = complaint("uint");
     EXPECT_NE(asBool.empty(), asUint.empty()) << id;
@@ -400,7 +405,7 @@ TEST(KernelCheck, AnotherWorkGroupIsRefused) {
                             "local_size_y_id = kSpecWorkGroup, local_size_x = 1, local_size_z = 1"}) {
     std::vector<ShaderSource> sources = smallKernel("", "  pixels[gl_WorkGroupID.x] = Row(1u);\n");
     sources[0].text->replace(sources[0].text->find(original), original.size(), other);
-    EXPECT_THAT(complaintAbout(sources, Fetch::buffers),
+    EXPECT_THAT(complaintAbout(sources, BufferAccess::storageBuffer),
                 AllOf(StartsWith(sources[0].path + ":4:"), HasSubstr("write layout(local_size_x_id = kSpecWorkGroup, "
                                                                      "local_size_y = 1, local_size_z = 1) in;")))
         << other;
@@ -415,18 +420,18 @@ TEST(KernelCheck, WhatTheDeviceIsNotOpenedWithIsRefused) {
   const std::vector<ShaderSource> fine =
       smallKernel("double exact = 1.0;\n", "  exact *= double(pixels[0].x);\n  pixels[0].x = uint(exact);\n");
   EXPECT_THAT(
-      complaintAbout(fine, Fetch::buffers),
+      complaintAbout(fine, BufferAccess::storageBuffer),
       StartsWith(fine[0].path + ":6:1: error: the kernel needs Float64, which turner's device is not opened with; "
                                 "do without it"));
   const std::vector<ShaderSource> wide =
       smallKernel("#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require\n",
                   "  uint64_t mine = uint64_t(pixels[0].x) << 3;\n  pixels[0].x = uint(mine >> 2);\n");
-  EXPECT_THAT(complaintAbout(wide, Fetch::buffers),
+  EXPECT_THAT(complaintAbout(wide, BufferAccess::storageBuffer),
               AllOf(StartsWith(wide[0].path + ":8:3: "), HasSubstr("needs Int64")));
   const std::vector<ShaderSource> printing =
       smallKernel("#extension GL_EXT_debug_printf : require\n", "  debugPrintfEXT(\"%u\", pixels[0].x);\n");
   EXPECT_THAT(
-      complaintAbout(printing, Fetch::buffers),
+      complaintAbout(printing, BufferAccess::storageBuffer),
       AllOf(StartsWith(printing[0].path + ":"), HasSubstr("needs the SPIR-V extension SPV_KHR_non_semantic_info")));
 }
 
@@ -443,10 +448,10 @@ TEST(KernelCheck, AllFaultsAreToldAtOnce) {
 
 TEST(KernelCheck, WordsThatAreNoSpirvAreRefused) {
   const std::vector<ShaderSource> sources = edited({});
-  Spirv kernel = compileGlsl(sources, fetchPreamble(Fetch::buffers));
+  Spirv kernel = compileGlsl(sources, accessPreamble(BufferAccess::storageBuffer));
   const auto complaint = [&](const std::vector<uint32_t>& words) {
     try {
-      checkKernel({words}, sources, Fetch::buffers);
+      checkKernel({words}, sources, BufferAccess::storageBuffer);
     } catch (const InputError& error) {
       return std::string(error.what());
     }
@@ -493,7 +498,7 @@ TEST(SpirvWords, ComparesInstructionsByOpcode) {
 
 TEST(SpirvWords, AnAddedMultiplicationIsSeen) {
   const auto words = [](const std::vector<Edit>& edits) {
-    return compileGlsl(edited(edits), fetchPreamble(Fetch::buffers)).words;
+    return compileGlsl(edited(edits), accessPreamble(BufferAccess::storageBuffer)).words;
   };
   constexpr uint16_t kOpFMul = 133;
   const std::vector<uint32_t> before = words({});

@@ -46,7 +46,7 @@ SpirvNames readNames(const std::vector<uint32_t>& words) {
 }
 
 TEST(Layout, OffsetsInSpirvAreThoseOfTheCompiler) {
-  const SpirvNames names = readNames(test::compileKernel(Fetch::buffers).words);
+  const SpirvNames names = readNames(test::compileKernel(BufferAccess::storageBuffer).words);
 #define EXPECT_SAME_OFFSET(Struct, member)                                                \
   do {                                                                                    \
     const auto found = names.offsets.find({#Struct, #member});                            \
@@ -76,7 +76,8 @@ TEST(Layout, OffsetsInSpirvAreThoseOfTheCompiler) {
 
 TEST(Layout, ArraysInSpirvHaveTheStrideOfTheCompiler) {
   std::map<uint32_t, int> found;
-  for (const uint32_t stride : readNames(test::compileKernel(Fetch::buffers).words).arrayStrides) ++found[stride];
+  for (const uint32_t stride : readNames(test::compileKernel(BufferAccess::storageBuffer).words).arrayStrides)
+    ++found[stride];
   // The frame's addresses, state, pixels and the scene's arrays, all in rows.
   EXPECT_EQ(found, (std::map<uint32_t, int>{{uint32_t(sizeof(gpu::Row)), found[sizeof(gpu::Row)]}}));
   EXPECT_GT(found[sizeof(gpu::Row)], 0);
@@ -103,14 +104,15 @@ TEST(Layout, RowsAreWhereTheKernelFetchesThem) {
   EXPECT_EQ(offsetof(gpu::Light, position), gpu::kLightPosition * row);
   EXPECT_EQ(offsetof(gpu::Light, color), gpu::kLightColor * row);
   EXPECT_EQ(sizeof(gpu::Light), gpu::kLightRows * row);
-  EXPECT_EQ(6 * sizeof(gpu::CubeFace), gpu::kCubeRows * row);
+  EXPECT_EQ(6 * sizeof(gpu::LightBufferFace), gpu::kLightBufferRows * row);
 }
 
 TEST(Layout, BindingsAreThoseOfTheHeader) {
-  for (const Fetch fetch : {Fetch::texels, Fetch::buffers, Fetch::addresses}) {
-    SCOPED_TRACE(fetchName(fetch));
-    std::map<uint32_t, int> bindings = readNames(test::compileKernel(fetch).words).bindings;
-    const uint32_t count = fetch == Fetch::addresses ? gpu::kBindNodes : gpu::kBindCount;
+  for (const BufferAccess access :
+       {BufferAccess::texelBuffer, BufferAccess::storageBuffer, BufferAccess::deviceAddress}) {
+    SCOPED_TRACE(accessName(access));
+    std::map<uint32_t, int> bindings = readNames(test::compileKernel(access).words).bindings;
+    const uint32_t count = access == BufferAccess::deviceAddress ? gpu::kBindNodes : gpu::kBindCount;
     EXPECT_EQ(bindings.size(), size_t(count));
     for (uint32_t binding = 0; binding < count; ++binding) EXPECT_EQ(bindings[binding], 1) << binding;
   }

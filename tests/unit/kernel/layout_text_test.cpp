@@ -78,9 +78,9 @@ TEST(LayoutText, AnotherValueIsRefusedInWhicheverFileItStands) {
 }
 
 TEST(LayoutText, AnotherExpressionIsRefused) {
-  EXPECT_THAT(afterEdit("kRefTriangle | kRefSecond | kRefPlaceMask", "kRefTriangle | kRefPlaceMask"),
-              HasSubstr("kRefPrimitive is kRefTriangle | kRefPlaceMask here, but kRefTriangle | kRefSecond | "
-                        "kRefPlaceMask in"));
+  EXPECT_THAT(afterEdit("kRefTriangle | kRefSecond | kRefOffsetMask", "kRefTriangle | kRefOffsetMask"),
+              HasSubstr("kRefPrimitive is kRefTriangle | kRefOffsetMask here, but kRefTriangle | kRefSecond | "
+                        "kRefOffsetMask in"));
 }
 
 TEST(LayoutText, AnotherValueIsSeenHoweverItIsDeclared) {
@@ -108,8 +108,8 @@ TEST(LayoutText, SwappedMembersAreRefused) {
 TEST(LayoutText, AddedAndLostMembersAreRefused) {
   EXPECT_THAT(afterEdit("Row addresses[6];", "Row addresses[6]; Row mine;"),
               HasSubstr("struct Frame has 'Row mine' here, but ends before it in the running turner"));
-  EXPECT_THAT(afterEdit("uint solidsLost;", ""),
-              HasSubstr("struct Status ends here, but has 'uint solidsLost' in the running turner"));
+  EXPECT_THAT(afterEdit("uint mediaLost;", ""),
+              HasSubstr("struct Status ends here, but has 'uint mediaLost' in the running turner"));
   EXPECT_THAT(afterEdit("Row addresses[6];", "Row addresses[7];"),
               HasSubstr("'Row addresses[7]' here, but 'Row addresses[6]' in"));
 }

@@ -293,14 +293,14 @@ TEST(Polygon, OrientationIsExact) {
     straight += expected == 0;
     // A power of two changes nothing.
     const double scale = trial % 2 ? 0x1p-60 : 1;
-    const auto point = [&](size_t k) { return Point{scale * double(p[k]), scale * double(p[k + 1])}; };
+    const auto point = [&](size_t k) { return PlanePoint{scale * double(p[k]), scale * double(p[k + 1])}; };
     ASSERT_EQ(orientation(point(0), point(2), point(4)), expected) << trial;
   }
   EXPECT_GT(straight, 50'000);
 }
 
-std::vector<Point> inPlane(const Corners& corners) {
-  std::vector<Point> points;
+std::vector<PlanePoint> inPlane(const Corners& corners) {
+  std::vector<PlanePoint> points;
   for (const glm::dvec3& corner : corners) points.push_back({corner.x, corner.y});
   return points;
 }
@@ -325,7 +325,7 @@ TEST(Polygon, SimpleOutlinesAreToldFromOthers) {
 TEST(Polygon, TrianglesFollowDelaunaysRule) {
   for (const Corners& corners : {gear(36), star(5, 0.4), star(50, 0.3), spiral(100), comb(20)}) {
     SCOPED_TRACE(std::to_string(corners.size()) + " corners");
-    const std::vector<Point> points = inPlane(corners);
+    const std::vector<PlanePoint> points = inPlane(corners);
     const Triangles triangles = triangulateSimple(points);
     ASSERT_EQ(triangles.size(), points.size() - 2);
     int shared = 0;
@@ -341,7 +341,7 @@ TEST(Polygon, TrianglesFollowDelaunaysRule) {
         const std::vector<uint32_t> beyond = apart(other, triangle);
         if (beyond.size() != 1) continue;
         ++shared;
-        const Point d = points[beyond[0]];
+        const PlanePoint d = points[beyond[0]];
         std::array<long double, 3> x, y, square;
         for (size_t k = 0; k < 3; ++k) {
           x[k] = (long double)points[triangle[k]].x - d.x, y[k] = (long double)points[triangle[k]].y - d.y;

@@ -110,7 +110,7 @@ TEST(SceneJson, fieldsLeftOutHaveTheirDefaults) {
   EXPECT_EQ(material.shininess, 1);
   EXPECT_EQ(material.reflect, 0);
   EXPECT_EQ(material.transmit, 0);
-  EXPECT_EQ(material.ior, 1.5);
+  EXPECT_EQ(material.eta, 1.5);
   EXPECT_EQ(material.localWeight, 1);
   EXPECT_EQ(parsed.scene.spheres.at(0).center, glm::dvec3(7, 8, 9));
   EXPECT_EQ(parsed.scene.spheres[0].radius, 1);
@@ -143,7 +143,7 @@ TEST(SceneJson, everyFieldArrivesInItsPlace) {
   EXPECT_EQ(scene.materials[0].diffuse, glm::dvec3(1, 2, 3));
   EXPECT_EQ(scene.materials[0].specular, glm::dvec3(4, 5, 6));
   EXPECT_EQ(scene.materials[0].shininess, 7);
-  EXPECT_EQ(scene.materials[0].ior, 1.25);
+  EXPECT_EQ(scene.materials[0].eta, 1.25);
   EXPECT_EQ(scene.materials[0].localWeight, 0.25);
   EXPECT_EQ(scene.spheres.at(0).material, 0u);
   EXPECT_EQ(scene.spheres[0].radius, 4);
@@ -190,7 +190,7 @@ TEST(SceneJson, stringsAreDecoded) {
   EXPECT_EQ(scene.spheres[0].material, 0u);
 }
 
-// Faults and their places.
+// Diagnostics and their places.
 
 TEST(SceneJsonFaults, exampleReadsAsPromised) {
   EXPECT_EQ(faultsOf("{\n \"camra\": 1,\n \"depth\": 0\n}"),

@@ -94,7 +94,7 @@ TEST(Nff, MaterialsFollowTheirRule) {
   EXPECT_EQ(material.shininess, 3);
   EXPECT_EQ(material.reflect, 0.5);
   EXPECT_EQ(material.transmit, 0.25);
-  EXPECT_EQ(material.ior, 1.5);
+  EXPECT_EQ(material.eta, 1.5);
   EXPECT_EQ(material.localWeight, 1);
   // Kd + Ks + T may exceed 1, and an index of 0 does not matter without transmission.
   EXPECT_EQ(scene.materials[1].reflect, 1);

@@ -107,7 +107,7 @@ TEST_F(TwoEnds, PostingDoesNotWait) {
 
 TEST_F(TwoEnds, NothingIsReceivedWithoutWaiting) {
   EXPECT_FALSE(here->receive());
-  EXPECT_FALSE(here->isOver());
+  EXPECT_FALSE(here->isFinished());
   // The head of a message alone is none.
   const uint64_t head[2] = {1, 10};
   ASSERT_EQ(::write(there->descriptor(), head, sizeof head), ssize_t(sizeof head));
@@ -121,12 +121,12 @@ TEST_F(TwoEnds, NothingIsReceivedWithoutWaiting) {
 TEST_F(TwoEnds, AnEndThatIsGoneIsNoticedAfterItsLastMessage) {
   EXPECT_TRUE(there->send(4, "last"));
   there.reset();
-  EXPECT_FALSE(here->isOver());
+  EXPECT_FALSE(here->isFinished());
   const std::optional<Message> message = here->wait();
   ASSERT_TRUE(message);
   EXPECT_EQ(message->bytes, "last");
   EXPECT_FALSE(here->wait());
-  EXPECT_TRUE(here->isOver());
+  EXPECT_TRUE(here->isFinished());
   EXPECT_FALSE(here->send(5, "nobody hears this")) << "and no signal ends the process";
 }
 

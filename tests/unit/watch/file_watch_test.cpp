@@ -199,7 +199,7 @@ TEST_P(FileWatchModes, AFolderRemovedWhileAShellStandsInItIsWatchedAgain) {
   fs::create_directory(in("sub"));
   write(in("sub/a"), "old");
   // Whoever holds a folder open keeps it alive: then no event tells that it was deleted.
-  const Descriptor shell(::open(in("sub").c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  const UniqueFd shell(::open(in("sub").c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   follow({in("sub/a")});
   fs::remove(in("sub/a"));
   EXPECT_THAT(changes(), ElementsAre(in("sub/a")));

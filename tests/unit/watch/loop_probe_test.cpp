@@ -36,10 +36,10 @@ std::vector<ShaderSource> shipped() {
 
 // The places of the loops of one text, as "line:column line:column ".
 std::string loopsOf(const std::string& text) {
-  std::string places;
-  for (const SourcePlace& place : probeLoops({{"", "a.comp", text}}).loops)
-    places += std::to_string(place.line) + ':' + std::to_string(place.column) + ' ';
-  return places;
+  std::string locations;
+  for (const SourceLocation& location : probeLoops({{"", "a.comp", text}}).loops)
+    locations += std::to_string(location.line) + ':' + std::to_string(location.column) + ' ';
+  return locations;
 }
 
 // The text with its counters, but without the declarations before it and the definitions behind it.
@@ -184,15 +184,15 @@ TEST(LoopProbe, DecodesTheLoop) {
 TEST(LoopProbe, KnowsAllLoopsOfTheShaders) {
   std::map<std::string, int> counts;
   const LoopProbe probe = probeLoops(shipped());
-  for (const SourcePlace& place : probe.loops) ++counts[place.path.substr(place.path.rfind('/') + 1)];
+  for (const SourceLocation& location : probe.loops) ++counts[location.path.substr(location.path.rfind('/') + 1)];
   const std::map<std::string, int> expected = {
       {"shade.glsl", 2}, {"state.glsl", 2}, {"traverse.glsl", 4}, {"whitted.comp", 3}};
   EXPECT_EQ(counts, expected) << "if a loop was added, count it here";
-  for (const SourcePlace& place : probe.loops) {
-    const std::string text = readTextFile(place.path);
+  for (const SourceLocation& location : probe.loops) {
+    const std::string text = readTextFile(location.path);
     size_t at = 0;
-    for (int line = 1; line < place.line; ++line) at = text.find('\n', at) + 1;
-    const std::string found = text.substr(at + size_t(place.column) - 1, 4);
+    for (int line = 1; line < location.line; ++line) at = text.find('\n', at) + 1;
+    const std::string found = text.substr(at + size_t(location.column) - 1, 4);
     EXPECT_TRUE(found == "do {" || found == "for ") << found;
   }
 }
@@ -201,14 +201,15 @@ Image render(const Spirv& kernel, const RenderSettings& settings, uint32_t budge
   return test::renderer().render(kernel, settings, {}, {.budget = budget}).image;
 }
 
-Spirv compileProbe(const LoopProbe& probe, Fetch fetch) {
-  return compileGlsl(probe.sources, fetchPreamble(fetch));
+Spirv compileProbe(const LoopProbe& probe, BufferAccess access) {
+  return compileGlsl(probe.sources, accessPreamble(access));
 }
 
 TEST(LoopProbe, CompilesForEveryWayOfFetching) {
   const LoopProbe probe = probeLoops(shipped());
-  for (const Fetch fetch : {Fetch::texels, Fetch::buffers, Fetch::addresses})
-    EXPECT_NO_THROW(compileProbe(probe, fetch)) << fetchName(fetch);
+  for (const BufferAccess access :
+       {BufferAccess::texelBuffer, BufferAccess::storageBuffer, BufferAccess::deviceAddress})
+    EXPECT_NO_THROW(compileProbe(probe, access)) << accessName(access);
 }
 
 class HonestScene : public testing::TestWithParam<const char*> {};
@@ -216,7 +217,7 @@ class HonestScene : public testing::TestWithParam<const char*> {};
 // spot's rays meet nodes, those of glass have waiting rays, those of nested_glass carry solids, those of deep_glass
 // make the most turns: pixels there spend the budgets of many dispatches.
 TEST_P(HonestScene, KeepsItsPictureAndNoLoopIsBlamed) {
-  const Spirv kernel = compileProbe(probeLoops(shipped()), test::renderer().fetch());
+  const Spirv kernel = compileProbe(probeLoops(shipped()), test::renderer().access());
   const Scene scene = ours(GetParam());
   const RenderSettings settings = settingsOf(scene, 64, 64);
   const Image expected = test::renderShader(scene, settings);
@@ -234,7 +235,7 @@ INSTANTIATE_TEST_SUITE_P(LoopProbe, HonestScene,
 // A copy of the shaders in which a loop never ends. Its keyword stands behind kHere.
 const std::string kHere = "/*here*/";
 
-SourcePlace placeOfHere(const std::vector<ShaderSource>& sources) {
+SourceLocation placeOfHere(const std::vector<ShaderSource>& sources) {
   for (const ShaderSource& source : sources) {
     const size_t at = source.text->find(kHere);
     if (at == std::string::npos) continue;
@@ -261,9 +262,9 @@ class EndlessLoop : public testing::TestWithParam<Planted> {};
 TEST_P(EndlessLoop, IsFound) {
   const test::ShaderVariant variant(GetParam().replacements);
   const std::vector<ShaderSource> sources = readShaderSources(variant.folder() + "/shaders/whitted.comp");
-  const SourcePlace expected = placeOfHere(sources);
+  const SourceLocation expected = placeOfHere(sources);
   const LoopProbe probe = probeLoops(sources);
-  const Spirv kernel = compileProbe(probe, test::renderer().fetch());
+  const Spirv kernel = compileProbe(probe, test::renderer().access());
   const Scene scene = ours(GetParam().scene);
   const RenderSettings settings = settingsOf(scene, 64, 64);
   test::renderer().upload(test::packed(scene, settings));
@@ -271,11 +272,11 @@ TEST_P(EndlessLoop, IsFound) {
     render(kernel, settings, GetParam().budget);
     FAIL() << "no loop was cut";
   } catch (const LoopsCut& cut) {
-    const std::optional<SourcePlace> place = endlessLoop(probe, cut.count);
-    ASSERT_TRUE(place) << std::hex << cut.count;
-    EXPECT_EQ(place->path, expected.path);
-    EXPECT_EQ(place->line, expected.line) << std::hex << cut.count;
-    EXPECT_EQ(place->column, expected.column);
+    const std::optional<SourceLocation> location = endlessLoop(probe, cut.count);
+    ASSERT_TRUE(location) << std::hex << cut.count;
+    EXPECT_EQ(location->path, expected.path);
+    EXPECT_EQ(location->line, expected.line) << std::hex << cut.count;
+    EXPECT_EQ(location->column, expected.column);
   }
 }
 
@@ -287,12 +288,12 @@ INSTANTIATE_TEST_SUITE_P(
                   "  int budget = int(BUDGET);\n"
                   "  /*here*/while (true) {}"}}},
         Planted{"EmptyForWithoutBody",
-                {{"", "whitted.comp", "  if (!isOver(walk)) return;",
-                  "  if (!isOver(walk)) return;\n  /*here*/for (;;);"}}},
+                {{"", "whitted.comp", "  if (!isFinished(traversal)) return;",
+                  "  if (!isFinished(traversal)) return;\n  /*here*/for (;;);"}}},
         Planted{"EmptyDo",
-                {{"", "shade.glsl", "  uvec4 walls = transmittance(material) > 0.0 ?",
+                {{"", "shade.glsl", "  uvec4 interfaces = transmittance(material) > 0.0 ?",
                   "  /*here*/do {} while (material.other.w == 0u);\n"
-                  "  uvec4 walls = transmittance(material) > 0.0 ?"}},
+                  "  uvec4 interfaces = transmittance(material) > 0.0 ?"}},
                 "nested_glass"},
         // With an effect, and only for some invocations.
         Planted{"SomePixels",
@@ -301,22 +302,24 @@ INSTANTIATE_TEST_SUITE_P(
                   "  bool finishedBefore = phase == kDone;"}}},
         Planted{
             "LostIncrement",
-            {{"", "shade.glsl", "  i = 0u;\n  do {\n    uint wall = numberAt(walls, i), solid = wall & ~kWallFront;",
+            {{"", "shade.glsl",
+              "  i = 0u;\n  do {\n    uint interfaceId = idAt(interfaces, i), medium = interfaceId & ~kInterfaceFront;",
               "  i = 0u;\n  /*here*/do {\n"
-              "    uint wall = numberAt(walls, i), solid = wall & ~kWallFront;"},
-             {"", "shade.glsl", "beyond = withSolid(beyond, solid);\n    ++i;", "beyond = withSolid(beyond, solid);"}},
+              "    uint interfaceId = idAt(interfaces, i), medium = interfaceId & ~kInterfaceFront;"},
+             {"", "shade.glsl", "beyond = withMedium(beyond, medium);\n    ++i;",
+              "beyond = withMedium(beyond, medium);"}},
             "nested_glass"},
         Planted{"LostIncrementInAFor",
                 {{"", "whitted.comp", "  for (uint i = 0u; i < frame.background.w; ++i) ++sung;",
                   "  /*here*/for (uint i = 0u; i < frame.background.w;) ++sung;"}}},
         // A walk that nothing ends: neither its node nor the budget moves on.
         Planted{"NodesThatNeverEnd",
-                {{"", "traverse.glsl", "      do {\n        --budget;\n        visitNode(ray, factors, walk);",
+                {{"", "traverse.glsl", "      do {\n        --budget;\n        visitNode(ray, factors, traversal);",
                   "      /*here*/do {"}},
                 "spot"},
         Planted{"ShapesThatNeverEnd",
                 {{"", "traverse.glsl", "  do {\n    --budget;\n    uvec2 entry", "  /*here*/do {\n    uvec2 entry"},
-                 {"", "traverse.glsl", "walk.list.x = within ? walk.list.x + 1u : end;", ";"}}},
+                 {"", "traverse.glsl", "traversal.list.x = within ? traversal.list.x + 1u : end;", ";"}}},
         // A function with a loop, called in loops.
         Planted{
             "InACalledFunction",
@@ -381,14 +384,14 @@ TEST(LoopProbe, TellsTheLoopWithTheMostTurnsWhereOnlyTheDriverCut) {
   const RenderSettings settings = settingsOf(scene, 16, 16);
   test::renderer().upload(test::packed(scene, settings));
   try {
-    const Image probed = render(compileProbe(probe, test::renderer().fetch()), settings, kProbeBudget);
+    const Image probed = render(compileProbe(probe, test::renderer().access()), settings, kProbeBudget);
     // A driver without a limiter cuts nothing: then it is the picture of the kernel that was not probed.
-    const Image plain = render(compileGlsl(sources, fetchPreamble(test::renderer().fetch())), settings, kProbeBudget);
+    const Image plain = render(compileGlsl(sources, accessPreamble(test::renderer().access())), settings, kProbeBudget);
     EXPECT_EQ(probed.rgb, plain.rgb);
   } catch (const LoopsCut& cut) {
-    const std::optional<SourcePlace> place = endlessLoop(probe, cut.count);
-    ASSERT_TRUE(place);
-    EXPECT_EQ(place->line, placeOfHere(sources).line);
+    const std::optional<SourceLocation> location = endlessLoop(probe, cut.count);
+    ASSERT_TRUE(location);
+    EXPECT_EQ(location->line, placeOfHere(sources).line);
   }
 }
 

@@ -18,10 +18,10 @@ std::vector<ShaderSource> sources(const std::string& kernel, const std::string& 
 
 // "b.glsl:2:3", or nothing.
 std::string placeIn(const std::vector<ShaderSource>& good, const std::vector<ShaderSource>& edited) {
-  const std::optional<SourcePlace> place = likelyPlace(good, edited);
-  if (!place) return "";
-  return place->path.substr(place->path.rfind('/') + 1) + ':' + std::to_string(place->line) + ':' +
-         std::to_string(place->column);
+  const std::optional<SourceLocation> location = likelyLocation(good, edited);
+  if (!location) return "";
+  return location->path.substr(location->path.rfind('/') + 1) + ':' + std::to_string(location->line) + ':' +
+         std::to_string(location->column);
 }
 
 std::string placeIn(const std::string& good, const std::string& edited) {
@@ -92,10 +92,10 @@ TEST(SourceChange, FindsOnlyLinesThatDiffer) {
       ++line;
       if (isNew && firstNew == 0) firstNew = line;
     }
-    const std::optional<SourcePlace> place = likelyPlace(sources(good), sources(edited));
+    const std::optional<SourceLocation> location = likelyLocation(sources(good), sources(edited));
     if (firstNew == 0) continue;
-    ASSERT_TRUE(place);
-    EXPECT_LE(place->line, firstNew);
+    ASSERT_TRUE(location);
+    EXPECT_LE(location->line, firstNew);
   }
 }
 
@@ -121,17 +121,17 @@ TEST(SourceChange, NamesALoopOfTheShaders) {
   const std::vector<ShaderSource> good = readShaderSources(TURNER_SHADERS_DIR "/whitted.comp");
   std::vector<ShaderSource> edited = good;
   for (ShaderSource& source : edited) {
-    const std::string from = "        visitNode(ray, factors, walk);\n";
+    const std::string from = "        visitNode(ray, factors, traversal);\n";
     if (const size_t at = source.text->find(from); at != std::string::npos) source.text->erase(at, from.size());
   }
-  const std::optional<SourcePlace> place = likelyPlace(good, edited);
-  ASSERT_TRUE(place);
-  EXPECT_EQ(place->path, TURNER_SHADERS_DIR "/traverse.glsl");
+  const std::optional<SourceLocation> location = likelyLocation(good, edited);
+  ASSERT_TRUE(location);
+  EXPECT_EQ(location->path, TURNER_SHADERS_DIR "/traverse.glsl");
   const std::string& text = *std::find_if(edited.begin(), edited.end(), [&](const ShaderSource& source) {
-                               return source.path == place->path;
+                               return source.path == location->path;
                              })->text;
   size_t at = 0;
-  for (int line = 1; line < place->line; ++line) at = text.find('\n', at) + 1;
+  for (int line = 1; line < location->line; ++line) at = text.find('\n', at) + 1;
   EXPECT_TRUE(text.substr(at).starts_with("      do {\n        --budget;\n"));
   EXPECT_THAT(changedFiles(good, edited), ElementsAre("traverse.glsl"));
 }

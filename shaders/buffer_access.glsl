@@ -1,16 +1,16 @@
 // How the scene's rows are fetched. Every driver has a way that it is good at, and the host compiles the kernel for one:
-//   kFetchTexels     storage texel buffers: lavapipe 22.3 inlines these loads and loops over the lanes for all others
-//   kFetchBuffers    storage buffers: what every device has
-//   kFetchAddresses  buffer device addresses: no descriptors, no limit on a buffer's size
+//   kAccessTexelBuffer     storage texel buffers: lavapipe 22.3 inlines these loads and loops over the lanes for all others
+//   kAccessStorageBuffer    storage buffers: what every device has
+//   kAccessDeviceAddress  buffer device addresses: no descriptors, no limit on a buffer's size
 // ROW(name, i) is row i of the named array in each of them.
-#define kFetchTexels 0
-#define kFetchBuffers 1
-#define kFetchAddresses 2
+#define kAccessTexelBuffer 0
+#define kAccessStorageBuffer 1
+#define kAccessDeviceAddress 2
 
-#if FETCH == kFetchTexels
+#if BUFFER_ACCESS == kAccessTexelBuffer
 #define ROWS(name, place) layout(binding = place, rgba32ui) readonly uniform uimageBuffer name
 #define ROW(name, i) imageLoad(name, int(i))
-#elif FETCH == kFetchBuffers
+#elif BUFFER_ACCESS == kAccessStorageBuffer
 #define ROWS(name, place) layout(std430, binding = place) readonly buffer name##Buffer { Row name[]; }
 #define ROW(name, i) name[i]
 #else
@@ -25,4 +25,4 @@ ROWS(primitives, kBindPrimitives);
 ROWS(vertexNormals, kBindVertexNormals);
 ROWS(materials, kBindMaterials);
 ROWS(lights, kBindLights);
-ROWS(cubes, kBindCubes);
+ROWS(lightBuffers, kBindLightBuffers);
