@@ -1,4 +1,4 @@
-// A ray against one sphere or triangle. In: the ray and the primitive's rows. Out: the distance, in units of the
+// A ray against one sphere or triangle. In: the ray and the primitive. Out: the distance, in units of the
 // ray's direction. Ng, t and the other symbols are those of docs/light_transport.md.
 
 const float kNoHit = 1e38;  // farther than everything, and still finite when an interval is widened
@@ -41,7 +41,7 @@ RayFactors rayFactors(const vec3 direction) {
   return factors;
 }
 
-// A sphere as the kernel has it. Where the eye is near its surface, the host gives what its center loses to float, and
+// Decoded sphere. Where the eye is near its surface, the host gives what its center loses to float, and
 // the eye's power |center|^2 - radius^2, computed in wider arithmetic: rounded to float, center and radius would no
 // longer tell on which side of the surface the eye is.
 struct SphereData {
@@ -52,13 +52,13 @@ struct SphereData {
   vec2 power;  // of the eye, the sum of two floats
 };
 
-SphereData sphereOf(const Row center, const Row tags) {
-  SphereData sphere = SphereData(xyz(center), uintBitsToFloat(center.w), false, vec3(0), vec2(0));
-  if (NEAR_SPHERES && (tags.y & kNearEye) != 0u) {
-    Row rest = ROW(materials, tags.z);
+SphereData sphereOf(const Sphere packed) {
+  SphereData sphere = SphereData(packed.center, packed.radius, false, vec3(0), vec2(0));
+  if (NEAR_SPHERES && (packed.material & kNearEye) != 0u) {
+    NearSphere rest = nearSphereAt(packed.nearSphere);
     sphere.nearEye = true;
-    sphere.centerRest = xyz(rest);
-    sphere.power = uintBitsToFloat(uvec2(tags.w, rest.w));
+    sphere.centerRest = rest.centerRest;
+    sphere.power = vec2(packed.eyePower, rest.eyePowerRest);
   }
   return sphere;
 }

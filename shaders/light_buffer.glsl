@@ -16,18 +16,17 @@ uint directionFace(const vec3 direction, const int axis) {
   return 2u * uint(axis) + (along(direction, axis) < 0.0 ? 1u : 0u);
 }
 
-// The list of a direction's cell, u and v on that face of that cube: its first entry, its end, its first pair.
-uvec3 cellList(const uint lightBuffer, const uint face, const vec2 uv) {
-  Row row = ROW(lightBuffers, kLightBufferRows * lightBuffer + face);
-  vec3 window = xyz(row);
-  uint side = row.w & 255u;
+// The cell list of a direction, u and v on that face of that light buffer.
+FineCell cellList(const uint lightBuffer, const uint face, const vec2 uv) {
+  LightBufferFace window = faceAt(kLightBufferFaces * lightBuffer + face);
+  uint side = window.cells & 255u;
   // Outside of the window there is nothing: any list will do.
-  vec2 position = (uv - window.xy) * window.z;
+  vec2 position = (uv - window.corner) * window.cellsPerUnit;
   float last = float(int(side)) - 0.001;
   position = vec2(lesser(greater(position.x, 0.0), last), lesser(greater(position.y, 0.0), last));
   vec2 cell = floor(position);
-  uvec2 fine = ROW(lightBuffers, (row.w >> 8u) + uint(int(cell.y)) * side + uint(int(cell.x))).xy;
-  // place - cell is less than 1, and their product with a power of two below it.
-  vec2 within = (position - cell) * float(int(fine.y));
-  return ROW(lightBuffers, fine.x + uint(int(within.y)) * fine.y + uint(int(within.x))).xyz;
+  CoarseCell coarse = coarseCellAt((window.cells >> 8u) + uint(int(cell.y)) * side + uint(int(cell.x)));
+  // position - cell is less than 1, and their product with a power of two below it.
+  vec2 within = (position - cell) * float(int(coarse.side));
+  return fineCellAt(coarse.firstFineCell + uint(int(within.y)) * coarse.side + uint(int(within.x)));
 }

@@ -49,8 +49,7 @@ const uint kInterfaceFront = 0x8000u;  // the ray enters the medium
 
 // The interface of a material, or 0 where that is no medium's.
 uint interfaceOf(const uint material, const bool front) {
-  Row other = ROW(materials, kMaterialRows * material + kMaterialOther);
-  return other.w == 0u ? 0u : material | (front ? kInterfaceFront : 0u);
+  return glassAt(material) == 0u ? 0u : material | (front ? kInterfaceFront : 0u);
 }
 
 uvec4 withInterface(const uvec4 interfaces, const uint interfaceId) {
@@ -72,4 +71,41 @@ uvec4 withMedium(const uvec4 media, const uint medium) {
   uvec4 more = with(media, medium, full);
   mediaLost = mediaLost || full;
   return more;
+}
+
+// --- crossing ---
+// A ray's way through all interfaces in one place.
+struct Crossing {
+  uvec4 beyond;  // the media that it is in behind them
+  bool hidden;   // there is the same glass on both sides: no interface is to be seen
+  vec2 etaRatio;  // index of refraction behind over that before, the sum of two floats
+};
+
+// The ray is in `media` and meets `interfaces` on a surface of this material. The sets are what is true: to enter a medium once
+// more, or to leave it again, changes nothing. Nothing goes on through an opaque surface.
+Crossing crossInterfaces(const uvec4 media, const uvec4 allInterfaces, const Material material, const bool front) {
+  uvec4 interfaces = material.transmittance > 0.0 ? allInterfaces : uvec4(0u), beyond = media;
+  uint i = 0u;
+  do {
+    uint interfaceId = idAt(interfaces, i);
+    if (interfaceId != 0u && (interfaceId & kInterfaceFront) == 0u) beyond = without(beyond, interfaceId);
+    ++i;
+  } while (i < kMaxInterfaces && idAt(interfaces, i) != 0u);
+  i = 0u;
+  do {
+    uint interfaceId = idAt(interfaces, i), medium = interfaceId & ~kInterfaceFront;
+    // At a thin edge a ray may meet both sides of a medium at once: in the end it is out.
+    if ((interfaceId & kInterfaceFront) != 0u && !has(interfaces, medium)) beyond = withMedium(beyond, medium);
+    ++i;
+  } while (i < kMaxInterfaces && idAt(interfaces, i) != 0u);
+
+  Medium before = mediumAt(activeMedium(media)), behind = mediumAt(activeMedium(beyond));
+  bool isMedium = material.glass != 0u;
+  // What is no medium that matters: glass on its back, on its front whatever is there.
+  if (!isMedium) {
+    before.eta = front ? before.eta : material.eta;
+    behind.eta = front ? material.eta : behind.eta;
+  }
+  vec2 etaRatio = wideProduct(vec2(behind.eta, 0), wideReciprocal(before.eta));
+  return Crossing(beyond, isMedium && before.glass == behind.glass, etaRatio);
 }

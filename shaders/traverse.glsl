@@ -1,41 +1,49 @@
-// A ray's traversal: along the list of its cell, and from there through the tree of boxes. In: a ray and where its traversal
-// stands. Out: the same, farther on; the nearest primitive, or for a shadow ray any.
+// Traversal of a ray: along the cell list of its direction, and from there through the tree of boxes. In: a ray and the
+// state of its traversal. Out: the same, farther on; the nearest primitive, or for a shadow ray any.
 
 struct TraversalState {
-  uint next;   // what to visit next; kRefNone: the traversal is over
-  uint top;    // entries on the node stack
-  float tMax;  // distance of the best hit so far; before the first, how far the ray reaches
-  uint hit;    // the best primitive so far (kind and place), or kRefNone
-  uint rank;  // its rank
-  uvec3 list;  // the rest of its list: next entry, end, and where pairs begin if spheres come first
-  // Where media touch, a second traversal gathers all that is in one place with the nearest hit.
-  float nearestT;  // t of that hit
-  float coincidence;  // how far the place reaches behind it; 0: the nearest hit is still looked for, and hitT is tMax
-  float hitT;   // then t of the best hit in the place, which is the one of the lowest rank; before, how far the
-                // place of the nearest hit will reach, 0 if that is no interface of a medium
-  uvec4 coincident;  // the interfaces there (nested_dielectrics.glsl)
+  uint next;      // reference to visit next; kRefNone: the traversal is finished
+  uint top;       // entries on the node stack
+  float tMax;     // distance of the best hit so far; before the first, how far the ray reaches
+  uint hit;       // the best primitive so far (type and offset), or kRefNone
+  uint rank;      // its tie-break rank
+  FineCell list;  // the rest of the cell list
+  // Nested dielectrics: a second pass collects all interfaces that coincide with the nearest hit.
+  float nearestT;     // t of that hit
+  float coincidence;  // how far behind it an interface still coincides; 0 in the first pass, where hitT is tMax
+  // Second pass: t of the best coinciding hit, that of the lowest rank. First pass: how far interfaces may coincide with
+  // the nearest hit, 0 if that is no interface of a medium.
+  float hitT;
+  uvec4 coincident;  // the coinciding interfaces (nested_dielectrics.glsl)
 };
 
 // References still to be visited. A path through the tree leaves at most one on each level.
 uint nodeStack[kMaxTreeDepth];
 
-// A ray from anywhere traversals the whole tree.
-TraversalState startAtRoot() { return TraversalState(root, 0u, kNoHit, kRefNone, 0u, uvec3(0u), 0.0, 0.0, 0.0, uvec4(0u)); }
+const FineCell kNoList = FineCell(0u, 0u, 0u, 0u);
 
-// Whether the traversal has found a nearest hit on an interface of a medium, and not yet what else is in its place.
+TraversalState startAt(const uint next, const float tMax, const FineCell list) {
+  return TraversalState(next, 0u, tMax, kRefNone, 0u, list, 0.0, 0.0, 0.0, uvec4(0u));
+}
+
+// A ray from anywhere traverses the whole tree.
+TraversalState startAtRoot() { return startAt(frame.root, kNoHit, kNoList); }
+
+// A ray through the eye or a light begins with the cell list of its direction.
+TraversalState startInCellList(const FineCell list, const float tMax) { return startAt(kRefNext, tMax, list); }
+
+// Whether the first pass has found a nearest hit on an interface, and the second is still to come.
 bool lacksCoincident(const TraversalState traversal) {
   return NESTED_DIELECTRICS && traversal.coincidence == 0.0 && traversal.hit != kRefNone && traversal.hitT > 0.0;
 }
 
-// Goes through the tree once more, for all that is in one place with the nearest hit.
-TraversalState startCoincident(const TraversalState nearest) {
-  float coincidence = nearest.hitT;
-  return TraversalState(root, 0u, nearest.tMax + coincidence, kRefNone, kRefNone, uvec3(0u), nearest.tMax, coincidence, nearest.tMax, uvec4(0u));
-}
-
-// A ray through the middle of a cube traversals the list of its cell.
-TraversalState startInCellList(const uvec3 list, const float tMax) {
-  return TraversalState(kRefNext, 0u, tMax, kRefNone, 0u, list, 0.0, 0.0, 0.0, uvec4(0u));
+// The second pass: through the tree once more, for all that coincides with the nearest hit.
+TraversalState startCoincident(const TraversalState first) {
+  TraversalState second = startAt(frame.root, first.tMax + first.hitT, kNoList);
+  second.rank = kRefNone;
+  second.nearestT = second.hitT = first.tMax;
+  second.coincidence = first.hitT;
+  return second;
 }
 
 uint unitsOf(const bool isPair) { return isPair ? kPairUnits : kSphereUnits; }
@@ -51,17 +59,11 @@ void popNode(inout TraversalState traversal) {
   }
 }
 
-// An entry of a list: a reference, and the least distance at which the ray may meet it.
-uvec2 listEntry(const uint index) {
-  Row row = ROW(lightBuffers, index >> 1u);
-  return (index & 1u) != 0u ? row.zw : row.xy;
-}
-
 // The next entry of the list. Entries are sorted: behind what is beyond the limit everything is.
 void takeEntry(inout TraversalState traversal, const float limit) {
-  uvec2 entry = listEntry(traversal.list.x);
-  traversal.next = traversal.list.x < traversal.list.y && uintBitsToFloat(entry.y) <= limit ? entry.x : kRefNone;
-  ++traversal.list.x;
+  ListEntry entry = listEntryAt(traversal.list.first);
+  traversal.next = traversal.list.first < traversal.list.end && entry.distance <= limit ? entry.reference : kRefNone;
+  ++traversal.list.first;
 }
 
 // Where a ray enters one of a node's boxes, or kNoHit if it does not before tMax. `near` and `far` hold the planes that
@@ -79,23 +81,22 @@ vec3 planesAt(const uvec3 planes, const uvec3 shift) { return vec3(ivec3((planes
 // Goes on with the nearer child that the ray enters; the other one waits on the stack. What waits there is taken up
 // outside the loops: lavapipe reads a stack lane by lane, which takes a good part of a visit's time.
 void visitNode(const Ray ray, const RayFactors factors, inout TraversalState traversal) {
-  Row origin = ROW(nodes, kNodeRows * traversal.next + kNodeOrigin);
-  Row planes = ROW(nodes, kNodeRows * traversal.next + kNodePlanes);
+  Node node = nodeAt(traversal.next);
   // t of a plane is (origin + byte * scale - ray.origin) / direction.
-  vec3 scale = uintBitsToFloat((uvec3(origin.w) << uvec3(23u, 15u, 7u)) & 0x7f800000u) * factors.inverse;
-  vec3 start = (xyz(origin) - ray.origin) * factors.inverse;
-  float enter0 = enterBox(planesAt(planes.xyz, factors.nearShift) * scale + start,
-                          planesAt(planes.xyz, 8u - factors.nearShift) * scale + start, traversal.tMax);
-  float enter1 = enterBox(planesAt(planes.xyz, factors.nearShift + 16u) * scale + start,
-                          planesAt(planes.xyz, 24u - factors.nearShift) * scale + start, traversal.tMax);
+  vec3 scale = uintBitsToFloat((uvec3(node.exponents) << uvec3(23u, 15u, 7u)) & 0x7f800000u) * factors.inverse;
+  vec3 start = (node.origin - ray.origin) * factors.inverse;
+  float enter0 = enterBox(planesAt(node.planes, factors.nearShift) * scale + start,
+                          planesAt(node.planes, 8u - factors.nearShift) * scale + start, traversal.tMax);
+  float enter1 = enterBox(planesAt(node.planes, factors.nearShift + 16u) * scale + start,
+                          planesAt(node.planes, 24u - factors.nearShift) * scale + start, traversal.tMax);
 
   // The references of both children, see Node in layout.h.
-  uint below = traversal.next + 1u, tags = origin.w >> 24u;
-  uint firstCount = ((planes.w >> kRefCountShift) & kRefCountMask) + 1u;
-  uint secondOffset = (planes.w & kRefOffsetMask) + firstCount * unitsOf(isOfTriangles(planes.w));
+  uint below = traversal.next + 1u, tags = node.exponents >> 24u;
+  uint firstCount = ((node.reference >> kRefCountShift) & kRefCountMask) + 1u;
+  uint secondOffset = (node.reference & kRefOffsetMask) + firstCount * unitsOf(isOfTriangles(node.reference));
   uint secondLeaf = kRefLeaf | ((tags << 26u) & 0x70000000u) | secondOffset;
-  uint child0 = (tags & 1u) != 0u ? planes.w : below;
-  uint child1 = (tags & 1u) == 0u ? planes.w : (tags & 2u) == 0u ? below : secondLeaf;
+  uint child0 = (tags & 1u) != 0u ? node.reference : below;
+  uint child1 = (tags & 1u) == 0u ? node.reference : (tags & 2u) == 0u ? below : secondLeaf;
 
   bool firstIsNearer = enter0 <= enter1;
   traversal.next = firstIsNearer ? child0 : child1;
@@ -125,14 +126,13 @@ float coincidenceDistance(const vec3 point, const float errorBound, const float 
 }
 
 Intersection intersectSphere(const Ray ray, const RayFactors factors, const uint primitive) {
-  uint row = kUnitRows * primitive;
-  Row center = ROW(primitives, row + kSphereCenter), tags = ROW(primitives, row + kSphereTags);
+  Sphere packed = sphereAt(primitive);
   bool startsOnIt = (ray.originPrimitive & ~kStartsInward) == primitive;
-  SphereData sphere = sphereOf(center, tags);
-  Intersection found = Intersection(hitSphere(ray, factors, sphere, startsOnIt), primitive, tags.x, false, 1u, 0u, 0.0);
+  SphereData sphere = sphereOf(packed);
+  Intersection found = Intersection(hitSphere(ray, factors, sphere, startsOnIt), primitive, packed.rank, false, 1u, 0u, 0.0);
   if (NESTED_DIELECTRICS && found.t < kNoHit) {
     bool outside = !startsOnIt && isOutside(sphere, ray.origin);
-    found.interfaceId = interfaceOf(tags.y & ~kNearEye, outside != (sphere.radius < 0.0));
+    found.interfaceId = interfaceOf(packed.material & ~kNearEye, outside != (sphere.radius < 0.0));
     vec3 point = ray.origin + found.t * ray.direction;
     found.coincidence = coincidenceDistance(point, sphereErrorBound(sphere, point), dot(normalize(point - sphere.center), ray.direction));
   }
@@ -141,11 +141,10 @@ Intersection intersectSphere(const Ray ray, const RayFactors factors, const uint
 
 // `pair` has kRefSecond where the first triangle has been met already.
 Intersection intersectTrianglePair(const Ray ray, const RayFactors factors, const uint pair) {
-  uint row = kUnitRows * (pair & kRefOffsetMask);
-  Row v0 = ROW(primitives, row + kPairV0), v1 = ROW(primitives, row + kPairV1), v2 = ROW(primitives, row + kPairV2),
-      v3 = ROW(primitives, row + kPairV3);
-  vec3 a = sheared(ray, factors, xyz(v0)), b = sheared(ray, factors, xyz(v1)), c = sheared(ray, factors, xyz(v2)),
-       d = sheared(ray, factors, xyz(v3));
+  uint offset = pair & kRefOffsetMask;
+  TrianglePair packed = trianglePairAt(offset);
+  vec3 a = sheared(ray, factors, packed.v0), b = sheared(ray, factors, packed.v1), c = sheared(ray, factors, packed.v2),
+       d = sheared(ray, factors, packed.v3);
   float across = edgeArea(b, c);  // of the edge that both share
   uint first = pair & ~kRefSecond, second = pair | kRefSecond, originPrimitive = ray.originPrimitive & ~kStartsInward;
   bool inFirst = isInside(across, edgeArea(c, a), edgeArea(a, b)) && originPrimitive != first && pair == first;
@@ -153,22 +152,21 @@ Intersection intersectTrianglePair(const Ray ray, const RayFactors factors, cons
 
   // One plane at a time: that both are met is rare. Where none is, no other memory is touched.
   bool isSecond = inSecond && !inFirst;
-  uint planeRow = row + kPairNormals + uint(isSecond);
-  Row plane = ROW(primitives, inFirst || inSecond ? planeRow : row);
+  Plane plane = planeAt(offset, uint(isSecond), inFirst || inSecond);
   float apex = isSecond ? d.z : a.z;
   float tNear = lesser(lesser(b.z, c.z), apex), tFar = greater(greater(b.z, c.z), apex);
-  vec3 nearest = tNear == b.z ? xyz(v1) : tNear == c.z ? xyz(v2) : isSecond ? xyz(v3) : xyz(v0);
-  float t = planeDistance(ray, xyz(plane), uintBitsToFloat(plane.w), nearest, tNear, tFar);
+  vec3 nearest = tNear == b.z ? packed.v1 : tNear == c.z ? packed.v2 : isSecond ? packed.v3 : packed.v0;
+  float t = planeDistance(ray, plane.normal, plane.offset, nearest, tNear, tFar);
   if (!(inFirst || inSecond) || !(t > 0.0)) t = kNoHit;
-  uint tested = pair != first ? 0u : v3.w != kRefNone ? 2u : 1u;
+  uint tested = pair != first ? 0u : packed.rank1 != kRefNone ? 2u : 1u;
   uint interfaceId = 0u;
   float coincidence = 0.0;
   if (NESTED_DIELECTRICS && t < kNoHit) {
-    interfaceId = interfaceOf(v1.w, dot(xyz(plane), ray.direction) < 0.0);
+    interfaceId = interfaceOf(packed.material, dot(plane.normal, ray.direction) < 0.0);
     vec3 point = ray.origin + t * ray.direction;
-    coincidence = coincidenceDistance(point, planeErrorBound(xyz(plane), uintBitsToFloat(plane.w), point), dot(xyz(plane), ray.direction));
+    coincidence = coincidenceDistance(point, planeErrorBound(plane.normal, plane.offset, point), dot(plane.normal, ray.direction));
   }
-  return Intersection(t, isSecond ? second : first, isSecond ? v3.w : v0.w, inFirst && inSecond, tested, interfaceId, coincidence);
+  return Intersection(t, isSecond ? second : first, isSecond ? packed.rank1 : packed.rank0, inFirst && inSecond, tested, interfaceId, coincidence);
 }
 
 // Tests a shape; true if it takes the traversal's hit. Among equal distances the lowest rank wins, so that the picture
@@ -243,14 +241,14 @@ void traverseTree(const Ray ray, const RayFactors factors, const bool anyHit, co
 // be left: traversal.next names it.
 void traversePrimitives(const Ray ray, const RayFactors factors, const bool arePairs, const uint end, const bool anyHit,
                 const uint kind, const float reach, inout TraversalState traversal, inout int budget) {
-  if (traversal.next == kRefNone || (traversal.next == kRefNext && traversal.list.x >= end) || budget <= 0) return;
+  if (traversal.next == kRefNone || (traversal.next == kRefNext && traversal.list.first >= end) || budget <= 0) return;
   do {
     --budget;
-    uvec2 entry = listEntry(traversal.list.x);
+    ListEntry entry = listEntryAt(traversal.list.first);
     bool again = arePairs && traversal.next != kRefNext;
-    bool within = again || uintBitsToFloat(entry.y) <= traversal.tMax * reach;
-    uint primitive = again ? traversal.next : entry.x & kRefPrimitive;
-    if (!again) traversal.list.x = within ? traversal.list.x + 1u : end;
+    bool within = again || entry.distance <= traversal.tMax * reach;
+    uint primitive = again ? traversal.next : entry.reference & kRefPrimitive;
+    if (!again) traversal.list.first = within ? traversal.list.first + 1u : end;
     traversal.next = kRefNext;
     if (within) {
       bool both;
@@ -258,17 +256,17 @@ void traversePrimitives(const Ray ray, const RayFactors factors, const bool areP
       if (arePairs && both) traversal.next = primitive | kRefSecond;
       if (anyHit && taken) traversal.next = kRefNone;
     }
-  } while (traversal.next != kRefNone && (traversal.next != kRefNext || traversal.list.x < end) && budget > 0);
+  } while (traversal.next != kRefNone && (traversal.next != kRefNext || traversal.list.first < end) && budget > 0);
 }
 
 // Goes along a list that holds no nodes, its spheres before its pairs.
 void traverseCellList(const Ray ray, const RayFactors factors, const bool anyHit, const uint kind, const float reach,
               inout TraversalState traversal, inout int budget) {
-  if (SPHERES && traversal.list.x < traversal.list.z)
-    traversePrimitives(ray, factors, false, traversal.list.z, anyHit, kind, reach, traversal, budget);
-  if (TRIANGLES && traversal.list.x >= traversal.list.z)
-    traversePrimitives(ray, factors, true, traversal.list.y, anyHit, kind, reach, traversal, budget);
-  if (traversal.list.x >= traversal.list.y && traversal.next == kRefNext) traversal.next = kRefNone;
+  if (SPHERES && traversal.list.first < traversal.list.firstPair)
+    traversePrimitives(ray, factors, false, traversal.list.firstPair, anyHit, kind, reach, traversal, budget);
+  if (TRIANGLES && traversal.list.first >= traversal.list.firstPair)
+    traversePrimitives(ray, factors, true, traversal.list.end, anyHit, kind, reach, traversal, budget);
+  if (traversal.list.first >= traversal.list.end && traversal.next == kRefNext) traversal.next = kRefNone;
 }
 
 // Walks on until the traversal is over or the budget of iterations is spent. An `anyHit` traversal ends at its first hit. `reach`

@@ -16,8 +16,8 @@
 namespace turner {
 namespace {
 
-using gpu::Row;
 using gpu::uint;
+using gpu::Word4;
 
 constexpr int kMostCoarse = 64;  // coarse cells on a face's side
 constexpr int kBlocks = 8;       // blocks of them on a side, each a task
@@ -439,15 +439,12 @@ class BlockBuilder {
   Block block_;
 };
 
-Row integers(uint x, uint y, uint z = 0, uint w = 0) {
-  return {std::bit_cast<float>(x), std::bit_cast<float>(y), std::bit_cast<float>(z), w};
-}
-
-// The row of gpu::LightBufferFace; the window is a square.
-Row faceRow(const Rect& window, int coarse, size_t firstCell) {
+// The word of gpu::LightBufferFace; the window is a square.
+Word4 faceWord(const Rect& window, int coarse, size_t firstCell) {
   if (firstCell >= size_t(1) << 24) throw InputError("the scene has more lights than the kernel can number");
   const float width = window.uHi - window.uLo;
-  return {window.uLo, window.vLo, width > 0 ? float(coarse) / width : 0.0f, uint(coarse) | uint(firstCell) << 8};
+  return std::bit_cast<Word4>(gpu::LightBufferFace{
+      {window.uLo, window.vLo}, width > 0 ? float(coarse) / width : 0.0f, uint(coarse) | uint(firstCell) << 8});
 }
 
 // A face and what is to be done for it.
@@ -589,8 +586,8 @@ LightBuffers buildLightBuffers(std::span<const LightBufferPoint> points, const L
     for (const Block& block : face.blocks) entries += block.entries.size();
   reservePrefaulted(lightBuffers.rows, entry + entries / 2 + 2);
   lightBuffers.rows.resize(entry);
-  lightBuffers.rows[nowhere] = integers(emptyList, 1);
-  lightBuffers.rows[emptyList] = integers(0, 0);
+  lightBuffers.rows[nowhere] = Word4{emptyList, 1};
+  lightBuffers.rows[emptyList] = Word4{0, 0};
   ++coarse;
   ++fine;
   for (size_t p = 0; p < points.size(); ++p) {
@@ -608,10 +605,10 @@ LightBuffers buildLightBuffers(std::span<const LightBufferPoint> points, const L
   for (size_t f = 0; f < faces.size(); ++f) {
     PlannedFace& face = faces[f];
     if (face.blocks.empty()) {
-      lightBuffers.rows[f] = faceRow({}, 1, nowhere);
+      lightBuffers.rows[f] = faceWord({}, 1, nowhere);
       continue;
     }
-    lightBuffers.rows[f] = faceRow(face.window, face.coarse, coarse);
+    lightBuffers.rows[f] = faceWord(face.window, face.coarse, coarse);
     const int across = face.blocksOnASide(), side = face.coarse / across;
     for (size_t b = 0; b < face.blocks.size(); ++b) {
       Block& block = face.blocks[b];
@@ -620,7 +617,7 @@ LightBuffers buildLightBuffers(std::span<const LightBufferPoint> points, const L
       for (size_t cell = 0; cell < block.levels.size(); ++cell) {
         const size_t x = b % size_t(across) * size_t(side) + cell % size_t(side);
         const size_t y = b / size_t(across) * size_t(side) + cell / size_t(side);
-        lightBuffers.rows[coarse + y * size_t(face.coarse) + x] = integers(uint(fine), 1u << block.levels[cell]);
+        lightBuffers.rows[coarse + y * size_t(face.coarse) + x] = Word4{uint(fine), 1u << block.levels[cell]};
         for (size_t end = list + (size_t(1) << (2 * block.levels[cell])); list < end; ++list) {
           const List& l = block.lists[list];
           const auto begin = block.entries.begin();
@@ -628,7 +625,7 @@ LightBuffers buildLightBuffers(std::span<const LightBufferPoint> points, const L
           const auto triangles = lightBuffers.visitsNodes[f / 6]
                                      ? begin + l.first
                                      : std::stable_partition(begin + l.first, begin + l.end, isSphere);
-          lightBuffers.rows[fine++] = integers(first + l.first, first + l.end, first + uint(triangles - begin));
+          lightBuffers.rows[fine++] = Word4{first + l.first, first + l.end, first + uint(triangles - begin)};
         }
       }
       all.insert(all.end(), block.entries.begin(), block.entries.end());
@@ -638,8 +635,8 @@ LightBuffers buildLightBuffers(std::span<const LightBufferPoint> points, const L
   }
   for (size_t i = 0; i < all.size(); i += 2) {
     const Entry a = all[i], b = i + 1 < all.size() ? all[i + 1] : Entry{gpu::kRefNone, 0};
-    lightBuffers.rows.push_back({std::bit_cast<float>(a.reference), a.distance, std::bit_cast<float>(b.reference),
-                                 std::bit_cast<uint>(b.distance)});
+    lightBuffers.rows.push_back(
+        {a.reference, std::bit_cast<uint>(a.distance), b.reference, std::bit_cast<uint>(b.distance)});
   }
   lightBuffers.rows.push_back({});  // the kernel may look at the entry behind the last one
   return lightBuffers;
@@ -651,16 +648,16 @@ LightBuffers wholeTreeLightBuffers(std::span<const LightBufferPoint> points, con
   const bool isNode = bvh.root.count == 0 && !bvh.nodes.empty();
   lightBuffers.visitsNodes.assign(points.size(), true);  // its lists are not sorted by kind
   // Every face has one cell, all with the same list.
-  const uint coarse = uint(points.size() * gpu::kLightBufferRows), fine = coarse + 1, list = 2 * (fine + 1);
-  for (size_t f = 0; f < points.size() * gpu::kLightBufferRows; ++f)
-    lightBuffers.rows.push_back(faceRow({}, 1, coarse));
-  lightBuffers.rows.push_back(integers(fine, 1));
+  const uint coarse = uint(points.size() * gpu::kLightBufferFaces), fine = coarse + 1, list = 2 * (fine + 1);
+  for (size_t f = 0; f < points.size() * gpu::kLightBufferFaces; ++f)
+    lightBuffers.rows.push_back(faceWord({}, 1, coarse));
+  lightBuffers.rows.push_back(Word4{fine, 1});
   std::vector<uint> all;
   if (isNode) all = {bvh.root.first};
   for (uint32_t i = 0; i < bvh.root.count; ++i) all.push_back(gpu::kRefLeaf | tree.references[bvh.root.first + i]);
-  lightBuffers.rows.push_back(integers(list, list + uint(all.size()), list));
+  lightBuffers.rows.push_back(Word4{list, list + uint(all.size()), list});
   for (size_t i = 0; i < all.size(); i += 2)
-    lightBuffers.rows.push_back(integers(all[i], 0, i + 1 < all.size() ? all[i + 1] : gpu::kRefNone, 0));
+    lightBuffers.rows.push_back(Word4{all[i], 0, i + 1 < all.size() ? all[i + 1] : gpu::kRefNone, 0});
   lightBuffers.rows.push_back({});  // the kernel may look at the entry behind the last one
   return lightBuffers;
 }

@@ -29,7 +29,7 @@ struct LightBufferPoint {
 };
 
 struct LightBuffers {
-  std::vector<gpu::Row> rows;     // all cubes, as the kernel reads them
+  std::vector<gpu::Word4> rows;   // all cubes, as the kernel reads them
   std::vector<bool> visitsNodes;  // for each point: whether its kernel walk has to be able to visit nodes
 };
 

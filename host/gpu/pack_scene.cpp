@@ -22,19 +22,24 @@
 namespace turner {
 namespace {
 
-using gpu::Row;
 using gpu::uint;
+using gpu::Word4;
 
-Row row(const glm::dvec3& v, uint w = 0) {
-  return {float(v.x), float(v.y), float(v.z), w};
-}
-Row row(const glm::dvec3& v, double w) {
-  return row(v, std::bit_cast<uint>(float(w)));
+gpu::vec3 toVec3(const glm::dvec3& v) {
+  return {float(v.x), float(v.y), float(v.z)};
 }
 
 // What a float leaves of a double: the low half of an unevaluated sum.
-Row rowRest(const glm::dvec3& v, uint w = 0) {
-  return row(v - glm::dvec3(float(v.x), float(v.y), float(v.z)), w);
+gpu::vec3 toVec3Rest(const glm::dvec3& v) {
+  return toVec3(v - glm::dvec3(float(v.x), float(v.y), float(v.z)));
+}
+
+// Appends a structure of layout.h as the words that the kernel reads.
+template <class Structure>
+void append(std::vector<Word4>& words, const Structure& structure) {
+  const size_t at = words.size();
+  words.resize(at + sizeof(Structure) / sizeof(Word4));
+  std::memcpy(&words[at], &structure, sizeof structure);
 }
 
 struct Plane {
@@ -62,27 +67,27 @@ std::optional<Plane> planeOf(std::array<glm::dvec3, 3> v) {
 }
 
 // A triangle that rounding has made flat has no plane: it is seen edge-on by every ray and never hit.
-Row planeRow(const Triangle& triangle) {
+gpu::Plane packPlane(const Triangle& triangle) {
   const std::optional<Plane> plane = planeOf(triangle.vertices);
-  return plane ? row(plane->normal, plane->offset) : Row{};
+  return plane ? gpu::Plane{toVec3(plane->normal), float(plane->offset)} : gpu::Plane{};
 }
 
 gpu::Sphere packSphere(const Sphere& sphere, uint rank) {
-  return {row(sphere.center, sphere.radius), {std::bit_cast<float>(rank), std::bit_cast<float>(sphere.material), 0, 0}};
+  return {toVec3(sphere.center), float(sphere.radius), rank, sphere.material, 0, 0};
 }
 
-// The same of one that the eye is near; its NearSphere is at this row among the materials.
-gpu::Sphere packNearSphere(const Sphere& sphere, uint rank, uint restRow) {
-  gpu::Sphere packed = packSphere(sphere, rank);
-  packed.tags.y = std::bit_cast<float>(sphere.material | gpu::kNearEye);
-  packed.tags.z = std::bit_cast<float>(restRow);
-  packed.tags.w = std::bit_cast<uint>(float(eyePower(sphere)));
-  return packed;
+// The same of one that the eye is near; its NearSphere is at this word among the materials.
+gpu::Sphere packNearSphere(const Sphere& sphere, uint rank, uint restAt) {
+  gpu::Sphere near = packSphere(sphere, rank);
+  near.material |= gpu::kNearEye;
+  near.nearSphere = restAt;
+  near.eyePower = float(eyePower(sphere));
+  return near;
 }
 
 gpu::NearSphere nearSphereOf(const Sphere& sphere) {
   const long double power = eyePower(sphere);
-  return {rowRest(sphere.center, std::bit_cast<uint>(float(power - float(power))))};
+  return {toVec3Rest(sphere.center), float(power - float(power))};
 }
 
 // `normals`: where its vertex normals stand in the packed scene. `precedence`: of the triangles.
@@ -91,15 +96,20 @@ gpu::TrianglePair packPair(const PreparedGeometry& prepared, const TrianglePair&
   const std::vector<Triangle>& triangles = prepared.scene.triangles;
   const Triangle& first = triangles[pair.first];
   const auto& [a, b, c] = first.vertices;
-  gpu::TrianglePair packed{row(a, rank[pair.first]),
-                           row(b, first.material),
-                           row(c, first.normals == kNoNormals ? gpu::kRefNone : normals),
-                           row(b, gpu::kRefNone),
-                           {planeRow(first), {}}};
+  gpu::TrianglePair packed{.v0 = toVec3(a),
+                           .rank0 = rank[pair.first],
+                           .v1 = toVec3(b),
+                           .material = first.material,
+                           .v2 = toVec3(c),
+                           .normals = first.normals == kNoNormals ? gpu::kRefNone : normals,
+                           .v3 = toVec3(b),
+                           .rank1 = gpu::kRefNone,
+                           .planes = {packPlane(first), {}}};
   if (!pair.isAlone()) {
     const Triangle& second = triangles[pair.second];
-    packed.v3 = row(second.vertices[0], rank[pair.second]);
-    packed.normals[1] = planeRow(second);
+    packed.v3 = toVec3(second.vertices[0]);
+    packed.rank1 = rank[pair.second];
+    packed.planes[1] = packPlane(second);
   }
   return packed;
 }
@@ -143,12 +153,13 @@ gpu::Node packNode(const Bvh::Node& node, std::span<const uint> references) {
     tags = 1;
   }
   if (second.count > 0) {
-    const uint reference = references[second.first];
-    tags = 3 | (second.count - 1) << 2 | (reference & gpu::kRefTriangle ? 1u << 4 : 0u);
+    const uint leaf = references[second.first];
+    tags = 3 | (second.count - 1) << 2 | (leaf & gpu::kRefTriangle ? 1u << 4 : 0u);
   }
-  return {
-      {float(lo.x), float(lo.y), float(lo.z), exponents | tags << 24},
-      {std::bit_cast<float>(planes[0]), std::bit_cast<float>(planes[1]), std::bit_cast<float>(planes[2]), reference}};
+  return {.origin = toVec3(lo),
+          .exponents = exponents | tags << 24,
+          .planes = {planes[0], planes[1], planes[2]},
+          .reference = reference};
 }
 
 // The part of each face of the eye's cube that the picture's rays go through: its crop, clipped to the face.
@@ -211,7 +222,7 @@ Features featuresOf(const Scene& scene) {
 }
 
 // Two of them in each word.
-Row mediaAroundEye(const PreparedGeometry& prepared) {
+gpu::uvec4 mediaAroundEye(const PreparedGeometry& prepared) {
   const std::vector<uint32_t>& media = prepared.dielectrics.aroundEye;
   if (media.size() > gpu::kMaxMedia)
     throw InputError("the camera's eye is in " + std::to_string(media.size()) +
@@ -219,7 +230,7 @@ Row mediaAroundEye(const PreparedGeometry& prepared) {
                      "; use --backend reference");
   std::array<uint, 4> words{};
   for (size_t i = 0; i < media.size(); ++i) words[i % 4] |= (prepared.firstMedium + media[i]) << (i < 4 ? 0 : 16);
-  return std::bit_cast<Row>(words);
+  return std::bit_cast<gpu::uvec4>(words);
 }
 
 }  // namespace
@@ -249,7 +260,7 @@ std::vector<uint> tieBreakRanks(const PreparedGeometry& prepared) {
 }
 
 size_t PackedScene::bytes() const {
-  return nodes.size() * sizeof(gpu::Node) + (primitives.size() + lightBuffers.size()) * sizeof(gpu::Row) +
+  return nodes.size() * sizeof(gpu::Node) + (primitives.size() + lightBuffers.size()) * sizeof(gpu::Word4) +
          vertexNormals.size() * sizeof(gpu::VertexNormals);
 }
 
@@ -305,32 +316,32 @@ PackedScene packScene(const PreparedGeometry& prepared, const Bvh& bvh, const Re
     packed.features.farSpheres |= isFarFromEye(local.spheres[i]);
   }
   packed.features.nearSpheres = !nearSpheres.empty();
-  const uint nearSphereRow = gpu::kMaterialRows * uint(local.materials.size());
+  const uint nearSpheresAt = gpu::kMaterialWords * uint(local.materials.size());
   // The kernel may look for all of a pair behind a last sphere.
-  reservePrefaulted(packed.primitives, gpu::kUnitRows * (offset + gpu::kPairUnits));
-  packed.primitives.resize(gpu::kUnitRows * (offset + gpu::kPairUnits));
+  reservePrefaulted(packed.primitives, gpu::kUnitWords * (offset + gpu::kPairUnits));
+  packed.primitives.resize(gpu::kUnitWords * (offset + gpu::kPairUnits));
   reservePrefaulted(packed.vertexNormals, normalsOffset);
   packed.vertexNormals.resize(normalsOffset);
   forAll(bvh.order.size(), [&](size_t i) {
     const uint primitive = bvh.order[i];
-    Row* const rows = &packed.primitives[gpu::kUnitRows * (references[i] & gpu::kRefOffsetMask)];
+    Word4* const words = &packed.primitives[gpu::kUnitWords * (references[i] & gpu::kRefOffsetMask)];
     if (primitive < sphereCount) {
       const Sphere& sphere = local.spheres[primitive];
       const auto near = std::lower_bound(nearSpheres.begin(), nearSpheres.end(), primitive);
       const gpu::Sphere packedSphere =
           near == nearSpheres.end() || *near != primitive
               ? packSphere(sphere, rank[primitive])
-              : packNearSphere(sphere, rank[primitive], nearSphereRow + uint(near - nearSpheres.begin()));
-      std::memcpy(rows, &packedSphere, sizeof packedSphere);
+              : packNearSphere(sphere, rank[primitive], nearSpheresAt + uint(near - nearSpheres.begin()));
+      std::memcpy(words, &packedSphere, sizeof packedSphere);
       return;
     }
     const TrianglePair& pair = prepared.pairs[primitive - sphereCount];
     const gpu::TrianglePair packedPair = packPair(prepared, pair, normals[i], std::span(rank).subspan(sphereCount));
-    std::memcpy(rows, &packedPair, sizeof packedPair);
+    std::memcpy(words, &packedPair, sizeof packedPair);
     if (local.triangles[pair.first].normals == kNoNormals) return;
     const auto putNormals = [&](size_t to, uint triangle) {
       const auto& [a, b, c] = local.normals[local.triangles[triangle].normals];
-      packed.vertexNormals[to] = {row(a), row(b), row(c)};
+      packed.vertexNormals[to] = {toVec3(a), 0, toVec3(b), 0, toVec3(c), 0};
     };
     putNormals(normals[i], pair.first);
     if (!pair.isAlone()) putNormals(normals[i] + 1, pair.second);
@@ -344,13 +355,18 @@ PackedScene packScene(const PreparedGeometry& prepared, const Bvh& bvh, const Re
   for (uint i = 0; i < local.materials.size(); ++i) {
     const Material& material = local.materials[i];
     const uint glass = i < prepared.firstMedium ? 0 : 1 + prepared.dielectrics.glasses[i - prepared.firstMedium];
-    for (const Row& part : {row(material.diffuse, material.reflect), row(material.specular, material.transmit),
-                            row({material.shininess, material.eta, material.localWeight}, glass)})
-      packed.materials.push_back(part);
+    append(packed.materials, gpu::Material{.diffuse = toVec3(material.diffuse),
+                                           .reflectance = float(material.reflect),
+                                           .specular = toVec3(material.specular),
+                                           .transmittance = float(material.transmit),
+                                           .shininess = float(material.shininess),
+                                           .eta = float(material.eta),
+                                           .localWeight = float(material.localWeight),
+                                           .glass = glass});
   }
-  for (const uint i : nearSpheres) packed.materials.push_back(nearSphereOf(local.spheres[i]).centerRest);
+  for (const uint i : nearSpheres) append(packed.materials, nearSphereOf(local.spheres[i]));
   for (const Light& light : local.lights)
-    packed.lights.push_back({row(light.position, uint(light.falloff == Falloff::inverseSquare)), row(light.color)});
+    packed.lights.push_back({toVec3(light.position), light.falloff == Falloff::inverseSquare, toVec3(light.color), 0});
 
   // Eye rays share their walk with reflected and refracted ones, which begin at the root.
   const size_t eyeRays = settings.crop.area() * size_t(settings.samples) * size_t(settings.samples);
@@ -379,15 +395,22 @@ gpu::Frame packFrame(const View& view, const RenderSettings& settings, uint32_t 
   const double pixel = 2 * basis.tanHalfFov / settings.height;
   const glm::dvec3 perRight = pixel * basis.right, perDown = -pixel * basis.up;
 
-  gpu::Frame frame;
-  frame.centreHi = row(basis.forward, view.root);
-  frame.centreLo = rowRest(basis.forward, uint(settings.width));
-  frame.rightHi = row(perRight, uint(settings.height));
-  frame.rightLo = rowRest(perRight, settings.seed);
-  frame.downHi = row(perDown, settings.weightLimit());
-  frame.downLo = rowRest(perDown, deviceThreads);
+  gpu::Frame frame{};
+  frame.centreHi = toVec3(basis.forward);
+  frame.centreLo = toVec3Rest(basis.forward);
+  frame.rightHi = toVec3(perRight);
+  frame.rightLo = toVec3Rest(perRight);
+  frame.downHi = toVec3(perDown);
+  frame.downLo = toVec3Rest(perDown);
+  frame.background = toVec3(view.background);
   frame.media = view.media;
-  frame.background = row(view.background, gpu::kCanaryLength);
+  frame.root = view.root;
+  frame.width = uint(settings.width);
+  frame.height = uint(settings.height);
+  frame.seed = settings.seed;
+  frame.minWeight = float(settings.weightLimit());
+  frame.threads = deviceThreads;
+  frame.canaryLength = gpu::kCanaryLength;
   return frame;
 }
 

@@ -8,27 +8,17 @@
 #include "geometry/prepared_geometry.h"
 #include "geometry/round_scene.h"
 #include "image/settings.h"
+#include "kernel/features.h"
 #include "layout.h"
 #include "scene/scene.h"
 
 namespace turner {
 
-// What the scene needs of the kernel; the rest is compiled out.
-struct Features {
-  uint32_t lights = 0;
-  bool spheres = false, triangles = false, smoothNormals = false, highlights = false;
-  bool reflection = false, refraction = false, falloff = false;
-  bool nearSpheres = false;                        // a sphere whose surface the eye is near, compared with its radius
-  bool farSpheres = false;                         // a sphere many radii away from the eye
-  bool dielectrics = false;                        // solids of glass that overlap or touch
-  bool nearestNodes = false, shadowNodes = false;  // whether walks meet nodes, or primitives alone
-};
-
 // What all rays see.
 struct View {
   Camera camera;  // in the local frame, its eye the origin
   glm::dvec3 background{0};
-  gpu::Row media{};                // that the eye is in
+  gpu::uvec4 media{};              // that the eye is in
   gpu::uint root = gpu::kRefNone;  // of the tree
   // The picture that the eye's lists are made for: a picture of this size, and pixels of this part of it.
   int width = 0, height = 0;
@@ -37,11 +27,11 @@ struct View {
 
 struct PackedScene {
   std::vector<gpu::Node> nodes;
-  std::vector<gpu::Row> primitives;  // gpu::Sphere and gpu::Triangle, in the order of the leaves
+  std::vector<gpu::Word4> primitives;  // gpu::Sphere and gpu::Triangle, in the order of the leaves
   std::vector<gpu::VertexNormals> vertexNormals;
-  std::vector<gpu::Row> materials;  // gpu::Material, then gpu::NearSphere
+  std::vector<gpu::Word4> materials;  // gpu::Material, then gpu::NearSphere
   std::vector<gpu::Light> lights;
-  std::vector<gpu::Row> lightBuffers;  // of the eye and of each light
+  std::vector<gpu::Word4> lightBuffers;  // of the eye and of each light
   View view;
   Features features;
   int treeDepth = 0;

@@ -22,7 +22,7 @@ using gpu::uint;
 constexpr double kLongDispatch = 0.2, kShortDispatch = 0.05;  // seconds
 
 // The rows from kStateRays on that hold counts.
-constexpr uint kCounterRows = 3;
+constexpr uint kCounterWords = 3;
 static_assert(gpu::kStateNodes == gpu::kStateRays + 1 && gpu::kStatePrimitives == gpu::kStateRays + 2);
 
 // Most bytes of invocation state at a time.
@@ -49,9 +49,6 @@ void copy(const vk::raii::CommandBuffer& commands, const Buffer& from, vk::Devic
   commands.copyBuffer(**from.buffer, **to.buffer, vk::BufferCopy(offset, 0, size));
 }
 
-// Values of the specialisation constants, by their ids.
-using Constants = std::array<uint, gpu::kSpecCount>;
-
 // The kernel, specialised to a scene and its settings.
 struct Pipeline {
   std::vector<uint32_t> words;
@@ -61,7 +58,7 @@ struct Pipeline {
   vk::raii::Pipeline pipeline;
 };
 
-static_assert(gpu::kBindCount - gpu::kBindNodes == kRowArrays && sizeof(gpu::Row) == kRowBytes);
+static_assert(gpu::kBindCount - gpu::kBindNodes == kSceneArrays && sizeof(gpu::Word4) == kWordBytes);
 
 vk::DescriptorType bindingType(uint binding, BufferAccess access) {
   return bindsTexels(binding, access) ? vk::DescriptorType::eStorageTexelBuffer : vk::DescriptorType::eStorageBuffer;
@@ -89,18 +86,12 @@ std::array<uint, 2> packedRadices(uint n) {
 // What a scene, its settings and the device ask of a kernel.
 Constants specialise(const Features& features, const RenderSettings& settings, uint workGroup, uint budget,
                      bool counters, bool fresh) {
-  Constants constants{};
+  Constants constants = constantsOf(features);
   constants[gpu::kSpecWorkGroup] = workGroup;
   constants[gpu::kSpecDepth] = uint(settings.depth);
   constants[gpu::kSpecSamples] = uint(settings.samples);
-  constants[gpu::kSpecLights] = features.lights;
-  constants[gpu::kSpecSpheres] = features.spheres;
-  constants[gpu::kSpecTriangles] = features.triangles;
-  constants[gpu::kSpecSmoothNormals] = features.smoothNormals;
-  constants[gpu::kSpecHighlights] = features.highlights;
   constants[gpu::kSpecReflection] = features.reflection && settings.depth > 1;
   constants[gpu::kSpecRefraction] = features.refraction && settings.depth > 1;
-  constants[gpu::kSpecFalloff] = features.falloff;
   constants[gpu::kSpecSampler] = uint(settings.sampler);
   if (settings.sampler == Sampler::sobol) {
     const std::array<uint, 2> radices = packedRadices(uint(settings.samples));
@@ -108,13 +99,8 @@ Constants specialise(const Features& features, const RenderSettings& settings, u
     constants[gpu::kSpecRadicesHigh] = radices[1];
   }
   constants[gpu::kSpecCounters] = counters;
-  constants[gpu::kSpecNearestNodes] = features.nearestNodes;
-  constants[gpu::kSpecShadowNodes] = features.shadowNodes;
   constants[gpu::kSpecBudget] = budget;
   constants[gpu::kSpecFresh] = fresh;
-  constants[gpu::kSpecNearSpheres] = features.nearSpheres;
-  constants[gpu::kSpecFarSpheres] = features.farSpheres;
-  constants[gpu::kSpecNestedDielectrics] = features.dielectrics;
   return constants;
 }
 
@@ -190,7 +176,7 @@ struct ShaderRenderer::Parts {
   BufferAccess access;
   Features features;
   View view;
-  std::array<Buffer, kRowArrays> rows;                   // from gpu::kBindNodes on
+  std::array<Buffer, kSceneArrays> rows;                 // from gpu::kBindNodes on
   std::list<std::shared_ptr<const Pipeline>> pipelines;  // the last that were used, latest first
   // Work-groups in one dispatch: follows the measured times, from one tile to the next.
   uint groupsPerDispatch = 64;
@@ -252,7 +238,7 @@ struct ShaderRenderer::Parts::Passes {
   void warmUp(const Pipeline& pipeline);
   void traceTile(gpu::Tile tile, const Progress& progress);
   void readPixels(const gpu::Tile& tile) const;
-  const gpu::Row& pixel(size_t i) const { return reinterpret_cast<const gpu::Row*>(hostPixels.mapped)[i]; }
+  const gpu::Word4& pixel(size_t i) const { return reinterpret_cast<const gpu::Word4*>(hostPixels.mapped)[i]; }
 
  private:
   void bind();
@@ -269,8 +255,8 @@ int ShaderRenderer::Parts::tileSide(const Dispatching& dispatching, int depth) c
   // A CPU wants its working set small; a GPU wants more invocations than it has lanes (17,000 on a large one).
   int side = dispatching.tile > 0 ? (dispatching.tile + 7) / 8 * 8 : device.isCpu() ? 128 : 512;
   const vk::DeviceSize most = std::min<vk::DeviceSize>(kStateBytes, device.limits().maxStorageBufferRange);
-  while (side > 8 && vk::DeviceSize(side) * vk::DeviceSize(side) * gpu::stateRows(uint(depth), features.dielectrics) *
-                             sizeof(gpu::Row) >
+  while (side > 8 && vk::DeviceSize(side) * vk::DeviceSize(side) * gpu::stateWords(uint(depth), features.dielectrics) *
+                             sizeof(gpu::Word4) >
                          most)
     side = std::max(8, side / 2 / 8 * 8);
   return side;
@@ -311,28 +297,28 @@ ShaderRenderer::Parts::Passes::Passes(Parts& owner, const Spirv& spirv, const Re
     area = std::max(area, tile.width * tile.height);
   }
   std::vector<gpu::Frame> frames = {packFrame(parts.view, settings, parts.threads())};
-  for (uint i = 0; i < kRowArrays; ++i) {
+  for (uint i = 0; i < kSceneArrays; ++i) {
     const uint64_t address = parts.rows[i].address;
-    frames[0].addresses[i] = {std::bit_cast<float>(uint(address)), std::bit_cast<float>(uint(address >> 32)), 0, 0};
+    frames[0].addresses[i] = {uint(address), uint(address >> 32), 0, 0};
   }
   frame = device.upload(bytesOf(frames), "frame");
   state = device.storageBuffer(
-      vk::DeviceSize(slots) * gpu::stateRows(uint(settings.depth), parts.features.dielectrics) * sizeof(gpu::Row),
+      vk::DeviceSize(slots) * gpu::stateWords(uint(settings.depth), parts.features.dielectrics) * sizeof(gpu::Word4),
       "state");
-  pixels = device.storageBuffer(vk::DeviceSize(area) * sizeof(gpu::Row), "pixels");
+  pixels = device.storageBuffer(vk::DeviceSize(area) * sizeof(gpu::Word4), "pixels");
   status = device.storageBuffer(sizeof(gpu::Status), "status");
   hostStatus = device.hostBuffer(sizeof(gpu::Status), "status on the host");
   // Reads back the pixels of a tile, or the counts of its invocations.
-  hostPixels =
-      device.hostBuffer(std::max<vk::DeviceSize>(pixels.size, counters ? kCounterRows * slots * sizeof(gpu::Row) : 0),
-                        "pixels on the host");
+  hostPixels = device.hostBuffer(
+      std::max<vk::DeviceSize>(pixels.size, counters ? kCounterWords * slots * sizeof(gpu::Word4) : 0),
+      "pixels on the host");
   bind();
 }
 
 void ShaderRenderer::Parts::Passes::bind() {
   const uint count = bindingCount(parts.access);
   const vk::DescriptorPoolSize sizes[] = {{vk::DescriptorType::eStorageBuffer, gpu::kBindCount},
-                                          {vk::DescriptorType::eStorageTexelBuffer, kRowArrays}};
+                                          {vk::DescriptorType::eStorageTexelBuffer, kSceneArrays}};
   pool.emplace(device.vulkan(),
                vk::DescriptorPoolCreateInfo(vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet, 1, sizes));
   vk::raii::DescriptorSets sets(device.vulkan(), vk::DescriptorSetAllocateInfo(**pool, *fresh->setLayout));
@@ -342,7 +328,7 @@ void ShaderRenderer::Parts::Passes::bind() {
   buffers[gpu::kBindState] = &state;
   buffers[gpu::kBindPixels] = &pixels;
   buffers[gpu::kBindStatus] = &status;
-  for (uint i = 0; i < kRowArrays; ++i) buffers[gpu::kBindNodes + i] = &parts.rows[i];
+  for (uint i = 0; i < kSceneArrays; ++i) buffers[gpu::kBindNodes + i] = &parts.rows[i];
   std::array<vk::DescriptorBufferInfo, gpu::kBindCount> infos;
   std::vector<vk::WriteDescriptorSet> writes;
   for (uint i = 0; i < count; ++i) {
@@ -448,7 +434,7 @@ void ShaderRenderer::Parts::Passes::readPixels(const gpu::Tile& tile) const {
   const size_t area = size_t(tile.width) * tile.height;
   device.run([&](const vk::raii::CommandBuffer& commands) {
     fullBarrier(commands);
-    copy(commands, pixels, 0, hostPixels, area * sizeof(gpu::Row));
+    copy(commands, pixels, 0, hostPixels, area * sizeof(gpu::Word4));
     fullBarrier(commands);
   });
   size_t missing = 0;
@@ -474,14 +460,14 @@ void ShaderRenderer::upload(const PackedScene& scene) {
   const auto upload = [&](uint binding, std::span<const std::byte> bytes, const char* name) {
     Buffer& buffer = parts_->rows[binding - gpu::kBindNodes];
     buffer = {};  // the last scene's is no longer needed
-    buffer = parts_->device.uploadRows(bytes, parts_->access, name);
+    buffer = parts_->device.uploadWords(bytes, parts_->access, name);
   };
   upload(gpu::kBindNodes, bytesOf(scene.nodes), "nodes");
   upload(gpu::kBindPrimitives, bytesOf(scene.primitives), "primitives");
   upload(gpu::kBindVertexNormals, bytesOf(scene.vertexNormals), "vertex normals");
   upload(gpu::kBindMaterials, bytesOf(scene.materials), "materials");
   upload(gpu::kBindLights, bytesOf(scene.lights), "lights");
-  upload(gpu::kBindLightBuffers, bytesOf(scene.lightBuffers), "cubes of directions");
+  upload(gpu::kBindLightBuffers, bytesOf(scene.lightBuffers), "light buffers");
 }
 
 ShaderPicture ShaderRenderer::render(const Spirv& kernel, const RenderSettings& settings, const Progress& progress,
@@ -557,15 +543,15 @@ Visits ShaderRenderer::countVisits(const Spirv& kernel, const RenderSettings& se
     done += area;
     passes.readPixels(tile);  // only to see that the work was done
 
-    const vk::DeviceSize rowBytes = vk::DeviceSize(tile.slots) * sizeof(gpu::Row);
+    const vk::DeviceSize wordBytes = vk::DeviceSize(tile.slots) * sizeof(gpu::Word4);
     passes.device.run([&](const vk::raii::CommandBuffer& commands) {
       fullBarrier(commands);
-      copy(commands, passes.state, gpu::kStateRays * rowBytes, passes.hostPixels, kCounterRows * rowBytes);
+      copy(commands, passes.state, gpu::kStateRays * wordBytes, passes.hostPixels, kCounterWords * wordBytes);
       fullBarrier(commands);
     });
-    std::vector<std::array<uint, 4>> counts(kCounterRows * size_t(tile.slots));
-    std::memcpy(counts.data(), passes.hostPixels.mapped, kCounterRows * rowBytes);
-    RayCounts* const rows[kCounterRows] = {&visits.rays, &visits.nodes, &visits.primitives};
+    std::vector<std::array<uint, 4>> counts(kCounterWords * size_t(tile.slots));
+    std::memcpy(counts.data(), passes.hostPixels.mapped, kCounterWords * wordBytes);
+    RayCounts* const rows[kCounterWords] = {&visits.rays, &visits.nodes, &visits.primitives};
     for (size_t i = 0; i < counts.size(); ++i) {
       RayCounts& row = *rows[i / tile.slots];
       row.eye += counts[i][0];

@@ -191,8 +191,8 @@ Device::Device(const DeviceInfo& info) : info_(info), instance_(info.instance) {
 
   constexpr auto kTexelRows = vk::FormatFeatureFlagBits::eStorageTexelBuffer;
   const vk::FormatProperties format = physical_->getFormatProperties(vk::Format::eR32G32B32A32Uint);
-  texelRows_ =
-      (format.bufferFeatures & kTexelRows) == kTexelRows && limits_.maxPerStageDescriptorStorageImages >= kRowArrays;
+  texelWords_ =
+      (format.bufferFeatures & kTexelRows) == kTexelRows && limits_.maxPerStageDescriptorStorageImages >= kSceneArrays;
   const auto features =
       physical_->getFeatures2<vk::PhysicalDeviceFeatures2, vk::PhysicalDeviceBufferDeviceAddressFeatures>();
   addresses_ = features.get<vk::PhysicalDeviceBufferDeviceAddressFeatures>().bufferDeviceAddress;
@@ -208,7 +208,7 @@ Device::Device(const DeviceInfo& info) : info_(info), instance_(info.instance) {
 }
 
 bool Device::canAccess(BufferAccess access) const {
-  return access == BufferAccess::texelBuffer ? texelRows_ : access == BufferAccess::deviceAddress ? addresses_ : true;
+  return access == BufferAccess::texelBuffer ? texelWords_ : access == BufferAccess::deviceAddress ? addresses_ : true;
 }
 
 // --- buffers --------------------------------------------------------------------------------------------------------
@@ -222,7 +222,7 @@ Buffer Device::makeBuffer(vk::DeviceSize size, vk::BufferUsageFlags usage, vk::M
   if ((usage & vk::BufferUsageFlagBits::eStorageBuffer) && !byAddress && result.size > limits_.maxStorageBufferRange)
     throw InputError(what + ", more than the device " + info_.name + " can bind (" +
                      megabytes(limits_.maxStorageBufferRange) + ")");
-  const vk::DeviceSize texels = vk::DeviceSize(limits_.maxTexelBufferElements) * kRowBytes;
+  const vk::DeviceSize texels = vk::DeviceSize(limits_.maxTexelBufferElements) * kWordBytes;
   if ((usage & vk::BufferUsageFlagBits::eStorageTexelBuffer) && result.size > texels)
     throw InputError(what + ", more than the device " + info_.name + " can fetch as texels (" + megabytes(texels) +
                      ")");
@@ -276,7 +276,7 @@ Buffer Device::upload(std::span<const std::byte> bytes, const std::string& buffe
   return target;
 }
 
-Buffer Device::uploadRows(std::span<const std::byte> bytes, BufferAccess access, const std::string& bufferName) const {
+Buffer Device::uploadWords(std::span<const std::byte> bytes, BufferAccess access, const std::string& bufferName) const {
   using Usage = vk::BufferUsageFlagBits;
   const vk::BufferUsageFlags usage = access == BufferAccess::texelBuffer ? Usage::eStorageTexelBuffer
                                      : access == BufferAccess::deviceAddress

@@ -64,7 +64,7 @@ class Device {
   // A storage buffer with this content, written directly or by way of a staging buffer.
   Buffer upload(std::span<const std::byte> bytes, const std::string& name) const;
   // The same of rows that the kernel fetches in this way.
-  Buffer uploadRows(std::span<const std::byte> bytes, BufferAccess access, const std::string& name) const;
+  Buffer uploadWords(std::span<const std::byte> bytes, BufferAccess access, const std::string& name) const;
 
   // Records commands, submits them and waits until they are done. Returns the seconds that the device took between the
   // first command and the last, by its timestamps, or by the host's clock where it has none.
@@ -92,7 +92,7 @@ class Device {
   uint32_t queueFamily_ = 0;
   uint32_t timestampBits_ = 0;
   uint32_t subgroupSize_ = 1;
-  bool texelRows_ = false, addresses_ = false;  // what canAccess knows
+  bool texelWords_ = false, addresses_ = false;  // what canAccess knows
   bool debugNames_ = false;
   std::optional<vk::raii::Device> device_;
   std::optional<vk::raii::Queue> queue_;

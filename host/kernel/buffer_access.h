@@ -9,8 +9,8 @@ namespace turner {
 // `automatic` is what suits the device, by measurement (docs/performance.md).
 enum class BufferAccess { automatic, texelBuffer, storageBuffer, deviceAddress };
 
-inline constexpr uint32_t kRowArrays = 6;  // nodes, primitives, vertex normals, materials, lights, cubes
-inline constexpr uint32_t kRowBytes = 16;
+inline constexpr uint32_t kSceneArrays = 6;  // nodes, primitives, vertex normals, materials, lights, cubes
+inline constexpr uint32_t kWordBytes = 16;
 
 // "texels", "buffers" or "addresses".
 std::string accessName(BufferAccess access);

@@ -78,56 +78,11 @@ constexpr uint32_t kRuntime = 0xffffffff;  // length of an array that ends with 
 
 // --- what the host gives ---------------------------------------------------------------------------------------------
 
-struct HostMember {
-  const char* name;
-  uint32_t offset;
-  const char* type;  // as GLSL spells it
-  uint32_t length;   // of an array of rows, else 0
-  uint32_t size;     // bytes
-};
-
-template <class Member>
-constexpr HostMember hostMember(const char* name, size_t offset) {
-  using Element = std::remove_extent_t<Member>;
-  static_assert(std::is_same_v<Element, gpu::Row> || std::is_same_v<Element, gpu::uint>);
-  return {name, uint32_t(offset), std::is_same_v<Element, gpu::Row> ? "uvec4" : "uint", uint32_t(std::extent_v<Member>),
-          uint32_t(sizeof(Member))};
-}
-#define HOST_MEMBER(Struct, member) hostMember<decltype(gpu::Struct::member)>(#member, offsetof(gpu::Struct, member))
-
-constexpr HostMember kFrame[] = {
-    HOST_MEMBER(Frame, centreHi),   HOST_MEMBER(Frame, centreLo), HOST_MEMBER(Frame, rightHi),
-    HOST_MEMBER(Frame, rightLo),    HOST_MEMBER(Frame, downHi),   HOST_MEMBER(Frame, downLo),
-    HOST_MEMBER(Frame, background), HOST_MEMBER(Frame, media),    HOST_MEMBER(Frame, addresses),
-};
-constexpr HostMember kTile[] = {
-    HOST_MEMBER(Tile, x0),    HOST_MEMBER(Tile, y0),         HOST_MEMBER(Tile, width),  HOST_MEMBER(Tile, height),
-    HOST_MEMBER(Tile, slots), HOST_MEMBER(Tile, firstGroup), HOST_MEMBER(Tile, groups), HOST_MEMBER(Tile, stride),
-};
-constexpr HostMember kStatus[] = {
-    HOST_MEMBER(Status, unfinished),
-    HOST_MEMBER(Status, limiter),
-    HOST_MEMBER(Status, samplesWaiting),
-    HOST_MEMBER(Status, mediaLost),
-};
-#undef HOST_MEMBER
-
-// The tables name every member: there are no bytes between them.
-constexpr size_t bytesOf(std::span<const HostMember> members) {
-  size_t bytes = 0;
-  for (const HostMember& member : members) bytes += member.size;
-  return bytes;
-}
-static_assert(bytesOf(kFrame) == sizeof(gpu::Frame) && bytesOf(kTile) == sizeof(gpu::Tile) &&
-              bytesOf(kStatus) == sizeof(gpu::Status));
-
-// A structure of the host's; without one a block is all rows.
+// A structure of the host's; without members a block is words.
 struct HostBlock {
-  const char* name;
-  std::span<const HostMember> members;
+  std::string name;
+  std::vector<LayoutMember> members;
 };
-constexpr HostBlock kFrameBlock = {"Frame", kFrame}, kTileBlock = {"Tile", kTile}, kStatusBlock = {"Status", kStatus},
-                    kRowsBlock = {"", {}};
 
 struct HostBinding {
   uint32_t binding;
@@ -136,60 +91,57 @@ struct HostBinding {
   const char* what;
   HostBlock block;
 };
-constexpr HostBinding kBindings[] = {
-    {gpu::kBindFrame, "kBindFrame", "frameInMemory", "the frame", kFrameBlock},
-    {gpu::kBindState, "kBindState", "state", "the state of the invocations", kRowsBlock},
-    {gpu::kBindPixels, "kBindPixels", "pixels", "the pixels", kRowsBlock},
-    {gpu::kBindStatus, "kBindStatus", "status", "the status", kStatusBlock},
-    {gpu::kBindNodes, "kBindNodes", "nodes", "the nodes", kRowsBlock},
-    {gpu::kBindPrimitives, "kBindPrimitives", "primitives", "the primitives", kRowsBlock},
-    {gpu::kBindVertexNormals, "kBindVertexNormals", "vertexNormals", "the vertex normals", kRowsBlock},
-    {gpu::kBindMaterials, "kBindMaterials", "materials", "the materials", kRowsBlock},
-    {gpu::kBindLights, "kBindLights", "lights", "the lights", kRowsBlock},
-    {gpu::kBindLightBuffers, "kBindLightBuffers", "cubes", "the cubes of directions", kRowsBlock},
-};
-static_assert(std::size(kBindings) == gpu::kBindCount);
 
 struct HostConstant {
   uint32_t id;
   const char* constant;  // its name in layout.h
-  const char* variable;  // its name in features.glsl
+  const char* variable;  // its name in the kernel
   bool isBoolean;        // else a 32-bit integer
 };
+
+HostBlock hostBlock(const std::string& type) {
+  return type == "Word4" ? HostBlock{} : HostBlock{type, layoutMembers(type)};
+}
+
+// The lines of shaders/interface.h; entry i is binding or id i.
+const std::vector<HostBinding>& hostBindings() {
+  static const std::vector<HostBinding> bindings = {
+#define TURNER_BLOCK(Name, id, access, Type, variable, extent, what) \
+  {gpu::kBind##Name, "kBind" #Name, #variable, what, hostBlock(#Type)},
+#define TURNER_ARRAY(Name, id, variable, what) {gpu::kBind##Name, "kBind" #Name, #variable, what, {}},
+#include "interface.h"
+  };
+  return bindings;
+}
+
+constexpr bool isBoolean(std::string_view type) {
+  return type == "bool";
+}
 constexpr HostConstant kConstants[] = {
     {gpu::kSpecWorkGroup, "kSpecWorkGroup", "", false},
-    {gpu::kSpecDepth, "kSpecDepth", "DEPTH", false},
-    {gpu::kSpecSamples, "kSpecSamples", "SAMPLES", false},
-    {gpu::kSpecLights, "kSpecLights", "LIGHTS", false},
-    {gpu::kSpecSpheres, "kSpecSpheres", "SPHERES", true},
-    {gpu::kSpecTriangles, "kSpecTriangles", "TRIANGLES", true},
-    {gpu::kSpecSmoothNormals, "kSpecSmoothNormals", "SMOOTH_NORMALS", true},
-    {gpu::kSpecHighlights, "kSpecHighlights", "HIGHLIGHTS", true},
-    {gpu::kSpecReflection, "kSpecReflection", "REFLECTION", true},
-    {gpu::kSpecRefraction, "kSpecRefraction", "REFRACTION", true},
-    {gpu::kSpecFalloff, "kSpecFalloff", "FALLOFF", true},
-    {gpu::kSpecSampler, "kSpecSampler", "SAMPLER", false},
-    {gpu::kSpecCounters, "kSpecCounters", "COUNTERS", true},
-    {gpu::kSpecNearestNodes, "kSpecNearestNodes", "NEAREST_NODES", true},
-    {gpu::kSpecShadowNodes, "kSpecShadowNodes", "SHADOW_NODES", true},
-    {gpu::kSpecBudget, "kSpecBudget", "BUDGET", false},
-    {gpu::kSpecFresh, "kSpecFresh", "FRESH", true},
-    {gpu::kSpecNearSpheres, "kSpecNearSpheres", "NEAR_SPHERES", true},
-    {gpu::kSpecFarSpheres, "kSpecFarSpheres", "FAR_SPHERES", true},
-    {gpu::kSpecNestedDielectrics, "kSpecNestedDielectrics", "NESTED_DIELECTRICS", true},
-    {gpu::kSpecRadicesLow, "kSpecRadicesLow", "RADICES_LOW", false},
-    {gpu::kSpecRadicesHigh, "kSpecRadicesHigh", "RADICES_HIGH", false},
+#define TURNER_CONSTANT(Name, id, type, NAME, value) {gpu::kSpec##Name, "kSpec" #Name, #NAME, isBoolean(#type)},
+#define TURNER_FEATURE(Name, id, type, NAME, value, member) TURNER_CONSTANT(Name, id, type, NAME, value)
+#include "interface.h"
 };
-static_assert(std::size(kConstants) == gpu::kSpecCount);
 
-// The tables are looked up by number.
-template <class Entry, size_t n>
-constexpr bool areInOrder(const Entry (&entries)[n], uint32_t Entry::*number) {
-  for (size_t i = 0; i < n; ++i)
-    if (entries[i].*number != i) return false;
+// Tables are looked up by number: ids and bindings are given in order, without a gap.
+constexpr bool idsAreInOrder() {
+  for (uint32_t i = 0; i < std::size(kConstants); ++i)
+    if (kConstants[i].id != i) return false;
   return true;
 }
-static_assert(areInOrder(kBindings, &HostBinding::binding) && areInOrder(kConstants, &HostConstant::id));
+static_assert(idsAreInOrder() && std::size(kConstants) == gpu::kSpecCount);
+constexpr uint32_t kBindings[] = {
+#define TURNER_BLOCK(Name, id, access, Type, variable, extent, what) id,
+#define TURNER_ARRAY(Name, id, variable, what) id,
+#include "interface.h"
+};
+constexpr bool bindingsAreInOrder() {
+  for (uint32_t i = 0; i < std::size(kBindings); ++i)
+    if (kBindings[i] != i) return false;
+  return true;
+}
+static_assert(bindingsAreInOrder());
 
 // What every Vulkan 1.2 device takes without a feature having been asked for; operations of subgroups are properties of
 // the device, not features.
@@ -362,7 +314,7 @@ std::string typeOf(const BlockMember& member) {
   return member.type + '[' + (member.length == kRuntime ? "" : std::to_string(member.length)) + ']';
 }
 
-std::string typeOf(const HostMember& member) {
+std::string typeOf(const LayoutMember& member) {
   return member.type + (member.length ? '[' + std::to_string(member.length) + ']' : std::string());
 }
 
@@ -400,7 +352,7 @@ class KernelCheck {
   Resource resourceOf(uint32_t variable, uint32_t type) const;
   void checkResource(uint32_t variable, const Resource& resource, uint32_t storage);
   void checkTexels(const Resource& resource, const HostBinding& host);
-  void checkRows(const Resource& resource, const HostBinding& host);
+  void checkWords(const Resource& resource, const HostBinding& host);
   void checkBlock(const Resource& resource, const HostBlock& host);
 
   const Declarations& module;
@@ -519,7 +471,7 @@ void KernelCheck::checkVariables() {
                                     "opened; set it in main()");
         break;
       case kPushConstant:
-        checkBlock(resource, kTileBlock);
+        checkBlock(resource, hostBlock("Tile"));
         break;
       default:
         checkResource(variable, resource, storage);
@@ -564,8 +516,8 @@ void KernelCheck::checkResource(uint32_t variable, const Resource& resource, uin
                                                                   : "; take one of these, with what it holds"));
 
   // A name of the kernel's that has wandered to another binding would read other data without a word.
-  const HostBinding& host = kBindings[*location];
-  for (const HostBinding& other : kBindings)
+  const HostBinding& host = hostBindings()[*location];
+  for (const HostBinding& other : hostBindings())
     if (&other != &host &&
         std::find(resource.names.begin(), resource.names.end(), other.variable) != resource.names.end())
       return addOf(resource.names, name + " has binding " + std::to_string(*location) + ", where turner binds " +
@@ -579,7 +531,7 @@ void KernelCheck::checkResource(uint32_t variable, const Resource& resource, uin
   if (isTexels)
     checkTexels(resource, host);
   else if (host.block.members.empty())
-    checkRows(resource, host);
+    checkWords(resource, host);
   else
     checkBlock(resource, host.block);
 }
@@ -591,11 +543,11 @@ void KernelCheck::checkTexels(const Resource& resource, const HostBinding& host)
                             " as rgba32ui; write layout(binding = " + host.constant + ", rgba32ui) and uimageBuffer");
 }
 
-void KernelCheck::checkRows(const Resource& resource, const HostBinding& host) {
+void KernelCheck::checkWords(const Resource& resource, const HostBinding& host) {
   std::vector<BlockMember> members;
   addMembers(module, resource.type, 0, 0, members);
   if (members.size() == 1 && members[0].offset == 0 && members[0].type == "uvec4" && members[0].length == kRuntime &&
-      members[0].stride == kRowBytes)
+      members[0].stride == kWordBytes)
     return;
   std::string found = "nothing";
   if (!members.empty()) found = typeOf(members[0]) + (members.size() > 1 ? " and more" : "");
@@ -603,7 +555,7 @@ void KernelCheck::checkRows(const Resource& resource, const HostBinding& host) {
     found += " at byte " + std::to_string(members[0].offset) + ", one element every " +
              std::to_string(members[0].stride) + " bytes";
   addOf(resource.names, resource.name() + " holds " + found + "; at binding " + std::to_string(host.binding) +
-                            " turner binds " + host.what + ", which are rows without end; declare it as { Row " +
+                            " turner binds " + host.what + ", which are rows without end; declare it as { Word4 " +
                             host.variable + "[]; } in std430, and turn words into floats by uintBitsToFloat()");
 }
 
@@ -614,9 +566,9 @@ void KernelCheck::checkBlock(const Resource& resource, const HostBlock& host) {
     const std::string name = member.name.empty() ? "a member" : member.name;
     const std::string here = "byte " + std::to_string(member.offset) + " of " + host.name;
     const auto at = std::find_if(host.members.begin(), host.members.end(),
-                                 [&](const HostMember& other) { return other.offset == member.offset; });
+                                 [&](const LayoutMember& other) { return other.offset == member.offset; });
     const auto same = std::find_if(host.members.begin(), host.members.end(),
-                                   [&](const HostMember& other) { return other.name == member.name; });
+                                   [&](const LayoutMember& other) { return other.name == member.name; });
     std::string message;
     if (!member.name.empty() && same != host.members.end() && same->offset != member.offset)
       message = name + " is at " + here + " here, but at byte " + std::to_string(same->offset);
@@ -626,9 +578,9 @@ void KernelCheck::checkBlock(const Resource& resource, const HostBlock& host) {
       message = here + " is called " + name + " here, but " + at->name;
     else if (member.type != at->type || (member.length == 0) != (at->length == 0) || member.length > at->length)
       message = name + " is a " + typeOf(member) + " here, but a " + typeOf(*at);
-    else if (member.length != 0 && member.stride != kRowBytes)
+    else if (member.length != 0 && member.stride != kWordBytes)
       message = name + " has an element every " + std::to_string(member.stride) + " bytes here, but every " +
-                std::to_string(kRowBytes);
+                std::to_string(kWordBytes);
     if (message.empty()) continue;
     SourceLocation location = findDeclaration(sources, resource.names);
     findMember(sources, module.name(member.structure), member.name, location);

@@ -1,4 +1,5 @@
-// Knows how layout.h is written: TURNER_CONST a = 1u, b = 2u; and struct Name { Type a, b[2]; };
+// Knows how layout.h and interface.h are written: TURNER_CONST a = 1u, b = 2u; struct Name { Type a, b[2]; }; and
+// TURNER_FEATURE(Name, ...).
 #include "kernel/layout_text.h"
 
 #include <cerrno>
@@ -115,6 +116,13 @@ Layout readLayout(std::string_view text) {
     if (tokens[at].text == "struct" && tokens[at + 1].kind == GlslKind::word && tokens[at + 2].text == "{") {
       const std::string name(tokens[at + 1].text);
       layout.structures.emplace(name, readStructure(tokens, at += 3));
+    } else if (tokens[at].text.starts_with("TURNER_") && tokens[at + 1].text == "(") {
+      // A line of interface.h, by the name that it begins with.
+      const GlslToken& name = tokens[at + 2];
+      Words line{{}, name.offset};
+      for (; at < tokens.size() && tokens[at].text != ")"; ++at) line.words.emplace_back(tokens[at].text);
+      line.words.emplace_back(")");
+      layout.constants.emplace(name.text, line);
     } else if (tokens[at].kind == GlslKind::word && tokens[at + 1].text == "=") {
       // However it is declared: const uint a = 1u; says the same to the kernel as TURNER_CONST does.
       const GlslToken& name = tokens[at];
@@ -155,10 +163,33 @@ std::optional<std::pair<size_t, std::string>> difference(const std::string& name
   return std::nullopt;
 }
 
+const Layout& hostLayout() {
+  static const Layout layout = readLayout(kHostLayout);
+  return layout;
+}
+
 }  // namespace
 
+std::vector<LayoutMember> layoutMembers(const std::string& structure) {
+  static const std::map<std::string, uint32_t> sizes = {{"uint", 4},  {"float", 4},  {"vec2", 8},
+                                                        {"vec3", 12}, {"uvec3", 12}, {"uvec4", 16}};
+  std::vector<LayoutMember> members;
+  const auto found = hostLayout().structures.find(structure);
+  if (found == hostLayout().structures.end()) return members;
+  uint32_t offset = 0;
+  for (const Words& member : found->second.members) {
+    // type name, or type name [ length ]
+    const bool isArray = member.words.size() == 5;
+    const uint32_t length = isArray ? uint32_t(std::stoul(member.words[3])) : 0;
+    const uint32_t size = sizes.at(member.words[0]) * (isArray ? length : 1);
+    members.push_back({member.words[1], member.words[0], offset, length, size});
+    offset += size;
+  }
+  return members;
+}
+
 void checkLayout(const std::vector<ShaderSource>& sources) {
-  static const Layout host = readLayout(kHostLayout);
+  const Layout& host = hostLayout();
   std::string faults;
   for (const ShaderSource& source : sources) {
     if (!source.text) continue;

@@ -40,9 +40,9 @@ std::vector<Replacement> replaceFunction(const std::string& file, const std::str
       {"the function behind " + function, file, next, "#include \"../tests/hard/kernels/" + naive + "\"\n\n" + next}};
 }
 
-Replacement forceOff(const std::string& name, const std::string& id) {
-  return {name, "features.glsl", "layout(constant_id = " + id + ") const bool " + name + " = true;",
-          "const bool " + name + " = false;"};
+// A feature that is compiled out: behind its declaration the name means false.
+Replacement forceOff(const std::string& name) {
+  return {name, "layout.h", "// --- blocks", "#ifndef __cplusplus\n#define " + name + " false\n#endif\n// --- blocks"};
 }
 
 bool always(const Features&) {
@@ -53,7 +53,7 @@ std::vector<Switch> allSwitches() {
   const Replacement safeInverse{"safe inverse", "intersect.glsl", "factors.inverse = 1.0 / safe;",
                                 "factors.inverse = 1.0 / direction;"};
   const Replacement start{"start of a ray", "shade.glsl",
-                          "surface.point + step * direction + (surface.margin - step * cosine) * away;",
+                          "surface.point + step * direction + (surface.errorBound - step * cosine) * away;",
                           "surface.point;"};
   const Replacement leaving{"what a ray leaves", "shade.glsl", "primitive | (inward ? kStartsInward : 0u)", "kRefNone"};
   const std::string numerics = "// Arithmetic where plain float32 is not enough.";
@@ -64,8 +64,8 @@ std::vector<Switch> allSwitches() {
   return {
       {.name = "watertight edge test",
        .without = "Möller and Trumbore's",
-       .replacements = replaceFunction("traverse.glsl", "Meeting", "intersectTrianglePair", "bool intersectPrimitive(",
-                                       "moeller_trumbore.glsl"),
+       .replacements = replaceFunction("traverse.glsl", "Intersection", "intersectTrianglePair",
+                                       "bool intersectPrimitive(", "moeller_trumbore.glsl"),
        .matters = [](const Features& features) { return features.triangles; },
        .failures = {leaksOfIcosphere}},
       {.name = "widened slabs, padded boxes",
@@ -76,12 +76,12 @@ std::vector<Switch> allSwitches() {
        .failures = {missesOfSoup}},
       {.name = "compensated spheres near the eye",
        .without = "the formulas of other spheres",
-       .replacements = {forceOff("NEAR_SPHERES", "kSpecNearSpheres")},
+       .replacements = {forceOff("NEAR_SPHERES")},
        .matters = [](const Features& features) { return features.nearSpheres; },
        .failures = {wrongHorizon}},
       {.name = "compensated spheres far away",
        .without = "the formulas of other spheres",
-       .replacements = {forceOff("FAR_SPHERES", "kSpecFarSpheres")},
+       .replacements = {forceOff("FAR_SPHERES")},
        .matters = [](const Features& features) { return features.farSpheres; },
        .failures = {wrongSilhouette}},
       {.name = "start offset by its error bound",
@@ -112,7 +112,7 @@ std::vector<Switch> allSwitches() {
        .failures = {wrongRefraction}},
       {.name = "solids of glass in one another",
        .without = "a hit on the front enters from air",
-       .replacements = {forceOff("NESTED_DIELECTRICS", "kSpecNestedDielectrics")},
+       .replacements = {forceOff("NESTED_DIELECTRICS")},
        .matters = [](const Features& features) { return features.dielectrics; },
        .failures = {wrongInNestedGlass}},
       // How far two equal kernels come apart: what is nearer to 1 is noise.

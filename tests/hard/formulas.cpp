@@ -12,10 +12,15 @@
 namespace turner::hard {
 namespace {
 
-using gpu::Row;
 using gpu::uint;
 
 constexpr uint kWorkGroup = 64;
+
+// A word of the test kernel: three floats and an integer.
+struct Row {
+  float x, y, z;
+  uint w;
+};
 
 Row rowOf(const glm::vec3& v, uint w = 0) {
   return {v.x, v.y, v.z, w};

@@ -21,7 +21,6 @@
 namespace turner::hard {
 namespace {
 
-using gpu::Row;
 using gpu::uint;
 
 constexpr size_t kBatch = 1 << 18;  // rays in a dispatch
@@ -29,7 +28,7 @@ constexpr uint kWorkGroup = 64;
 
 // What a kernel is bound to, beside what it is given and finds.
 struct Rows {
-  std::array<Buffer, kRowArrays> arrays;  // from gpu::kBindNodes on
+  std::array<Buffer, kSceneArrays> arrays;  // from gpu::kBindNodes on
   gpu::Frame frame{};
 };
 
@@ -37,6 +36,12 @@ struct Kernel {
   std::optional<vk::raii::DescriptorSetLayout> setLayout;
   std::optional<vk::raii::PipelineLayout> layout;
   std::optional<vk::raii::Pipeline> pipeline;
+};
+
+// A word of the test kernels: three floats and an integer.
+struct Row {
+  float x, y, z;
+  uint w;
 };
 
 Row rowOf(const glm::vec3& v, uint w) {
@@ -162,14 +167,14 @@ struct Kernels::Parts {
   void setArray(Rows& rows, uint binding, std::span<const std::byte> bytes) const {
     Buffer& buffer = rows.arrays[binding - gpu::kBindNodes];
     buffer = {};
-    buffer = device.uploadRows(bytes, access, "rows " + std::to_string(binding));
+    buffer = device.uploadWords(bytes, access, "rows " + std::to_string(binding));
   }
   void bind(const Kernel& kernel, const Rows& rows, const Buffer& frame, const Buffer& in);
 };
 
 void Kernels::Parts::bind(const Kernel& kernel, const Rows& rows, const Buffer& frame, const Buffer& in) {
   const vk::DescriptorPoolSize sizes[] = {{vk::DescriptorType::eStorageBuffer, gpu::kBindCount},
-                                          {vk::DescriptorType::eStorageTexelBuffer, kRowArrays}};
+                                          {vk::DescriptorType::eStorageTexelBuffer, kSceneArrays}};
   set.reset();
   pool.emplace(device.vulkan(),
                vk::DescriptorPoolCreateInfo(vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet, 1, sizes));
@@ -249,7 +254,7 @@ void Kernels::setScene(const Scene& world, const BuildTree& build) {
   parts.setArray(parts.naive, gpu::kBindNodes, bytesOf(naive.nodes));
   parts.setArray(parts.naive, gpu::kBindPrimitives, bytesOf(naive.primitives));
   parts.setArray(parts.naive, gpu::kBindMaterials, bytesOf(packed.materials));
-  parts.naive.frame.centreHi.w = naive.primitives.empty() ? gpu::kRefNone : 0;
+  parts.naive.frame.root = naive.primitives.empty() ? gpu::kRefNone : 0;
 
   const Features &a = parts.features, &b = parts.stepFeatures;
   if (!parts.step || a.spheres != b.spheres || a.triangles != b.triangles || a.smoothNormals != b.smoothNormals ||

@@ -10,7 +10,7 @@ namespace turner::gpu {
 #endif
 
 TURNER_CONST kBindLitGiven = 1u, kBindLitFound = 2u;
-TURNER_CONST kSpecNaive = kSpecCount;  // a boolean: textbook formulas
+TURNER_CONST kSpecNaive = 40u;  // a boolean, beyond the kernel's ids: textbook formulas
 
 // A light and a surface.
 TURNER_CONST kLitPoint = 0u;     // w: shininess (float)

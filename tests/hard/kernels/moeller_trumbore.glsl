@@ -12,16 +12,14 @@ float moellerTrumbore(const Ray ray, const vec3 corner, const vec3 e1, const vec
 }
 
 Intersection intersectTrianglePair(const Ray ray, const RayFactors factors, const uint pair) {
-  uint row = kUnitRows * (pair & kRefOffsetMask);
-  Row v0 = ROW(primitives, row + kPairV0), v1 = ROW(primitives, row + kPairV1), v2 = ROW(primitives, row + kPairV2),
-      v3 = ROW(primitives, row + kPairV3);
-  vec3 a = xyz(v0), b = xyz(v1), c = xyz(v2), d = xyz(v3);
+  TrianglePair packed = trianglePairAt(pair & kRefOffsetMask);
+  vec3 a = packed.v0, b = packed.v1, c = packed.v2, d = packed.v3;
   uint first = pair & ~kRefSecond, second = pair | kRefSecond, originPrimitive = ray.originPrimitive & ~kStartsInward;
   float tFirst = moellerTrumbore(ray, a, b - a, c - a), tSecond = moellerTrumbore(ray, d, c - d, b - d);
   bool inFirst = tFirst < kNoHit && originPrimitive != first && pair == first;
   bool inSecond = tSecond < kNoHit && originPrimitive != second;
   bool isSecond = inSecond && !inFirst;
   float t = inFirst ? tFirst : inSecond ? tSecond : kNoHit;
-  uint tested = pair != first ? 0u : v3.w != kRefNone ? 2u : 1u;
-  return Intersection(t, isSecond ? second : first, isSecond ? v3.w : v0.w, inFirst && inSecond, tested, 0u, 0.0);
+  uint tested = pair != first ? 0u : packed.rank1 != kRefNone ? 2u : 1u;
+  return Intersection(t, isSecond ? second : first, isSecond ? packed.rank1 : packed.rank0, inFirst && inSecond, tested, 0u, 0.0);
 }

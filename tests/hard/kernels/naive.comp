@@ -9,15 +9,12 @@
 #include "naive.h"
 
 layout(local_size_x_id = kSpecWorkGroup, local_size_y = 1, local_size_z = 1) in;
-layout(constant_id = kSpecBudget) const uint BUDGET = 1u;
 layout(std430, binding = kBindFrame) readonly buffer FrameBuffer { Frame frame; };
-layout(std430, binding = kBindGiven) readonly buffer GivenBuffer { Row given[]; };
-layout(std430, binding = kBindFound) writeonly buffer FoundBuffer { Row found[]; };
+layout(std430, binding = kBindGiven) readonly buffer GivenBuffer { Word4 given[]; };
+layout(std430, binding = kBindFound) writeonly buffer FoundBuffer { Word4 found[]; };
 
 #include "../../../shaders/buffer_access.glsl"
-
-vec3 xyz(const Row row) { return uintBitsToFloat(row.xyz); }
-Row packRow(const vec3 v, const uint w) { return Row(floatBitsToUint(v), w); }
+#include "../../../shaders/scene.glsl"
 
 const float kFarAway = 1e38;
 
@@ -54,20 +51,20 @@ void main() {
   uint i = gl_GlobalInvocationID.x;
   if (i >= given.length() / kGivenRows) return;
   vec3 origin = xyz(given[kGivenRows * i + kGivenOrigin]);
-  Row directionRow = given[kGivenRows * i + kGivenDirection], next = given[kGivenRows * i + kGivenNext];
+  Word4 directionRow = given[kGivenRows * i + kGivenDirection], next = given[kGivenRows * i + kGivenNext];
   vec3 direction = xyz(directionRow);
-  float end = uintBitsToFloat(directionRow.w), least = uintBitsToFloat(frame.background.x);
+  float end = uintBitsToFloat(directionRow.w), least = frame.background.x;
   float tMax = end > 0.0 ? end : kFarAway;
-  uint hit = kRefNone, top = 0u, node = frame.centreHi.w, budget = BUDGET;
+  uint hit = kRefNone, top = 0u, node = frame.root, budget = BUDGET;
   while (node != kRefNone && budget > 0u) {
     --budget;
-    Row lo = ROW(nodes, kNaiveNodeRows * node + kNaiveLo), hi = ROW(nodes, kNaiveNodeRows * node + kNaiveHi);
+    Word4 lo = WORD4(nodes, kNaiveNodeRows * node + kNaiveLo), hi = WORD4(nodes, kNaiveNodeRows * node + kNaiveHi);
     bool enters = entersBox(origin, direction, xyz(lo), xyz(hi), tMax);
     node = kRefNone;
     if (enters && hi.w > 0u) {
       for (uint k = lo.w; k < lo.w + hi.w; ++k) {
-        Row p0 = ROW(primitives, kNaivePrimitiveRows * k), p1 = ROW(primitives, kNaivePrimitiveRows * k + 1u),
-            p2 = ROW(primitives, kNaivePrimitiveRows * k + 2u);
+        Word4 p0 = WORD4(primitives, kNaivePrimitiveRows * k), p1 = WORD4(primitives, kNaivePrimitiveRows * k + 1u),
+            p2 = WORD4(primitives, kNaivePrimitiveRows * k + 2u);
         float t = p1.w == 0u ? hitSphere(origin, direction, xyz(p0), uintBitsToFloat(p2.x), least)
                              : hitTriangle(origin, direction, xyz(p0), xyz(p1), xyz(p2), least);
         if (t < tMax) {
@@ -84,12 +81,12 @@ void main() {
     }
   }
 
-  vec3 point = vec3(0), Ng = vec3(0), originPrimitive = vec3(0);
+  vec3 point = vec3(0), Ng = vec3(0), leaving = vec3(0);
   bool front = false, leaves = false;
   uint id = kRefNone, material = 0u;
   if (hit != kRefNone) {
-    Row p0 = ROW(primitives, kNaivePrimitiveRows * hit), p1 = ROW(primitives, kNaivePrimitiveRows * hit + 1u),
-        p2 = ROW(primitives, kNaivePrimitiveRows * hit + 2u);
+    Word4 p0 = WORD4(primitives, kNaivePrimitiveRows * hit), p1 = WORD4(primitives, kNaivePrimitiveRows * hit + 1u),
+        p2 = WORD4(primitives, kNaivePrimitiveRows * hit + 2u);
     id = p0.w;
     material = p2.w;
     point = origin + tMax * direction;
@@ -98,25 +95,25 @@ void main() {
     if (!front) Ng = -Ng;
     leaves = true;
     if (next.w == kNextNone) leaves = false;
-    if (next.w == kNextDirection) originPrimitive = xyz(next);
+    if (next.w == kNextDirection) leaving = xyz(next);
     if (next.w == kNextLight) {
-      originPrimitive = xyz(next) - point;
-      leaves = dot(Ng, originPrimitive) > 0.0;
+      leaving = xyz(next) - point;
+      leaves = dot(Ng, leaving) > 0.0;
     }
-    if (next.w == kNextReflected) originPrimitive = reflect(direction, Ng);
+    if (next.w == kNextReflected) leaving = reflect(direction, Ng);
     if (next.w == kNextTransmitted) {
-      float eta = uintBitsToFloat(ROW(materials, kMaterialRows * material + kMaterialOther).y);
-      originPrimitive = refract(normalize(direction), Ng, front ? 1.0 / eta : eta);
-      leaves = originPrimitive != vec3(0);
+      float eta = materialAt(material).eta;
+      leaving = refract(normalize(direction), Ng, front ? 1.0 / eta : eta);
+      leaves = leaving != vec3(0);
     }
   }
   uint row = kFoundRows * i;
-  found[row + kFoundHit] = Row(floatBitsToUint(tMax), hit, id, (budget > 0u ? 0u : kFoundUnfinished) |
+  found[row + kFoundHit] = Word4(floatBitsToUint(tMax), hit, id, (budget > 0u ? 0u : kFoundUnfinished) |
                                                                    (front ? kFoundFront : 0u) | (leaves ? kFoundLeaves : 0u));
-  found[row + kFoundPoint] = packRow(point, 0u);
-  found[row + kFoundNg] = packRow(Ng, material);
-  found[row + kFoundNs] = packRow(Ng, 0u);
-  found[row + kFoundLeavingOrigin] = packRow(point, kRefNone);
-  found[row + kFoundLeavingDirection] = packRow(originPrimitive, 0u);
-  found[row + kFoundSolids] = Row(0u);
+  found[row + kFoundPoint] = packWord(point, 0u);
+  found[row + kFoundNg] = packWord(Ng, material);
+  found[row + kFoundNs] = packWord(Ng, 0u);
+  found[row + kFoundLeavingOrigin] = packWord(point, kRefNone);
+  found[row + kFoundLeavingDirection] = packWord(leaving, 0u);
+  found[row + kFoundSolids] = Word4(0u);
 }

@@ -3,21 +3,18 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "../../../shaders/layout.h"
-#include "../../../shaders/features.glsl"
 #include "step.h"
 
 layout(local_size_x_id = kSpecWorkGroup, local_size_y = 1, local_size_z = 1) in;
 layout(std430, binding = kBindFrame) readonly buffer FrameBuffer { Frame frameInMemory; };
-layout(std430, binding = kBindGiven) readonly buffer GivenBuffer { Row given[]; };
-layout(std430, binding = kBindFound) writeonly buffer FoundBuffer { Row found[]; };
-
-vec3 xyz(const Row row) { return uintBitsToFloat(row.xyz); }
+layout(std430, binding = kBindGiven) readonly buffer GivenBuffer { Word4 given[]; };
+layout(std430, binding = kBindFound) writeonly buffer FoundBuffer { Word4 found[]; };
 
 Frame frame;
-uint root;
-Row nodesVisited, primitivesVisited;
+uvec4 nodesVisited, primitivesVisited;
 
 #include "../../../shaders/buffer_access.glsl"
+#include "../../../shaders/scene.glsl"
 #include "../../../shaders/float_float.glsl"
 #include "../../../shaders/nested_dielectrics.glsl"
 #include "../../../shaders/intersect.glsl"
@@ -25,14 +22,11 @@ Row nodesVisited, primitivesVisited;
 #include "../../../shaders/traverse.glsl"
 #include "../../../shaders/shade.glsl"
 
-Row packRow(const vec3 v, const uint w) { return Row(floatBitsToUint(v), w); }
-
 void main() {
   uint i = gl_GlobalInvocationID.x;
   frame = frameInMemory;
-  root = frame.centreHi.w;
   if (i >= given.length() / kGivenRows) return;
-  Row origin = given[kGivenRows * i + kGivenOrigin], direction = given[kGivenRows * i + kGivenDirection],
+  Word4 origin = given[kGivenRows * i + kGivenOrigin], direction = given[kGivenRows * i + kGivenDirection],
       next = given[kGivenRows * i + kGivenNext];
   uvec4 media = given[kGivenRows * i + kGivenSolids];
   mediaLost = false;
@@ -54,44 +48,44 @@ void main() {
   }
 
   Surface surface = Surface(vec3(0), vec3(0), vec3(0), false, false, 0.0, 0u);
-  Ray originPrimitive = Ray(vec3(0), vec3(0), kRefNone);
+  Ray leaving = Ray(vec3(0), vec3(0), kRefNone);
   bool leaves = false, hidden = false;
   if (traversal.hit != kRefNone && end == 0.0) {
     surface = surfaceAt(ray, factors, t, traversal.hit);
     if (next.w == kNextDirection) {
-      originPrimitive = leaveSurface(surface, traversal.hit, xyz(next), dot(xyz(next), surface.Ng) > 0.0);
+      leaving = leaveSurface(surface, traversal.hit, xyz(next), dot(xyz(next), surface.Ng) > 0.0);
       leaves = true;
     }
     if (next.w == kNextLight) {
-      originPrimitive = leaveToLight(surface, traversal.hit, xyz(next));
+      leaving = leaveToLight(surface, traversal.hit, xyz(next));
       leaves = facesLight(surface, xyz(next));
     }
     if (next.w == kNextReflected) {
-      originPrimitive = leaveSurface(surface, traversal.hit, reflection(surface, ray.direction), true);
+      leaving = leaveSurface(surface, traversal.hit, reflection(surface, ray.direction), true);
       leaves = true;
     }
     if (next.w == kNextTransmitted) {
       vec3 T = ray.direction;
-      MaterialData material = materialData(surface.material);
-      vec2 n = indexBehind(surface, indexOfRefraction(material));
+      Material material = materialAt(surface.material);
+      vec2 etaRatio = etaBehind(surface, material.eta);
       if (NESTED_DIELECTRICS) {
-        Crossing crossing = crossInterfaces(media, traversal.place, material, surface.front);
+        Crossing crossing = crossInterfaces(media, traversal.coincident, material, surface.front);
         hidden = crossing.hidden;
-        n = crossing.n;
+        etaRatio = crossing.etaRatio;
         media = crossing.beyond;
       }
-      leaves = hidden || transmission(surface, ray.direction, n, T);
-      originPrimitive = leaveSurface(surface, traversal.hit, T, false);
+      leaves = hidden || transmission(surface, ray.direction, etaRatio, T);
+      leaving = leaveSurface(surface, traversal.hit, T, false);
     }
   }
   uint flags = (isFinished(traversal) && !mediaLost ? 0u : kFoundUnfinished) | (hidden ? kFoundHidden : 0u) |
                (surface.front ? kFoundFront : 0u) | (leaves ? kFoundLeaves : 0u);
   uint row = kFoundRows * i;
-  found[row + kFoundHit] = Row(floatBitsToUint(t), traversal.hit, traversal.rank, flags);
-  found[row + kFoundPoint] = packRow(surface.point, floatBitsToUint(surface.errorBound));
-  found[row + kFoundNg] = packRow(surface.Ng, surface.material);
-  found[row + kFoundNs] = packRow(surface.Ns, 0u);
-  found[row + kFoundLeavingOrigin] = packRow(originPrimitive.origin, originPrimitive.originPrimitive);
-  found[row + kFoundLeavingDirection] = packRow(originPrimitive.direction, 0u);
+  found[row + kFoundHit] = Word4(floatBitsToUint(t), traversal.hit, traversal.rank, flags);
+  found[row + kFoundPoint] = packWord(surface.point, floatBitsToUint(surface.errorBound));
+  found[row + kFoundNg] = packWord(surface.Ng, surface.material);
+  found[row + kFoundNs] = packWord(surface.Ns, 0u);
+  found[row + kFoundLeavingOrigin] = packWord(leaving.origin, leaving.originPrimitive);
+  found[row + kFoundLeavingDirection] = packWord(leaving.direction, 0u);
   found[row + kFoundSolids] = media;
 }

@@ -19,8 +19,8 @@ namespace turner {
 namespace {
 
 using glm::dvec3;
-using gpu::Row;
 using gpu::uint;
+using gpu::Word4;
 
 struct RandomNumbers {
   std::mt19937_64 engine;
@@ -67,9 +67,8 @@ struct Entry {
 };
 
 Entry entryAt(const LightBuffers& lightBuffers, uint index) {
-  const Row& row = lightBuffers.rows.at(index / 2);
-  return index % 2 ? Entry{std::bit_cast<uint>(row.z), std::bit_cast<float>(row.w)}
-                   : Entry{std::bit_cast<uint>(row.x), row.y};
+  const Word4& row = lightBuffers.rows.at(index / 2);
+  return index % 2 ? Entry{row.z, std::bit_cast<float>(row.w)} : Entry{row.x, std::bit_cast<float>(row.y)};
 }
 
 // A quotient that is off by so many ulp: Vulkan allows a division 2.5.
@@ -90,17 +89,18 @@ List listOf(const LightBuffers& lightBuffers, size_t point, const glm::vec3& d, 
   const glm::vec3 size = glm::abs(d);
   const int axis = size.x > size.y ? (size.x > size.z ? 0 : 2) : (size.y > size.z ? 1 : 2);
   const float u = quotient(d[(axis + 1) % 3], d[axis], ulps), v = quotient(d[(axis + 2) % 3], d[axis], ulps);
-  const Row& face = lightBuffers.rows.at(6 * point + 2 * size_t(axis) + (d[axis] < 0));
-  const uint side = face.w & 255, firstCell = face.w >> 8;
+  const auto face =
+      std::bit_cast<gpu::LightBufferFace>(lightBuffers.rows.at(6 * point + 2 * size_t(axis) + (d[axis] < 0)));
+  const uint side = face.cells & 255, firstCell = face.cells >> 8;
   const auto place = [&](float x, float corner) {
-    return std::min(std::max((x - corner) * face.z, 0.0f), float(side) - 0.001f);
+    return std::min(std::max((x - corner) * face.cellsPerUnit, 0.0f), float(side) - 0.001f);
   };
-  const float x = place(u, face.x), y = place(v, face.y);
-  const Row& coarse = lightBuffers.rows.at(firstCell + uint(y) * side + uint(x));
-  const uint fine = std::bit_cast<uint>(coarse.y);
+  const float x = place(u, face.corner.x), y = place(v, face.corner.y);
+  const Word4& coarse = lightBuffers.rows.at(firstCell + uint(y) * side + uint(x));
+  const uint fine = coarse.y;
   const auto within = [&](float p) { return uint((p - std::floor(p)) * float(fine)); };
-  const Row& cell = lightBuffers.rows.at(std::bit_cast<uint>(coarse.x) + within(y) * fine + within(x));
-  return {axis, std::bit_cast<uint>(cell.x), std::bit_cast<uint>(cell.y), std::bit_cast<uint>(cell.z)};
+  const Word4& cell = lightBuffers.rows.at(coarse.x + within(y) * fine + within(x));
+  return {axis, cell.x, cell.y, cell.z};
 }
 
 constexpr double kMiss = std::numeric_limits<double>::infinity();
@@ -287,11 +287,10 @@ void forAllLists(const LightBuffers& lightBuffers, size_t points, const Visit& v
     for (uint i = 0; i < side * side; ++i) coarse.insert(first + i);
   }
   for (const size_t cell : coarse) {
-    const uint first = std::bit_cast<uint>(lightBuffers.rows.at(cell).x),
-               side = std::bit_cast<uint>(lightBuffers.rows.at(cell).y);
+    const uint first = lightBuffers.rows.at(cell).x, side = lightBuffers.rows.at(cell).y;
     for (uint i = 0; i < side * side; ++i) {
-      const Row& row = lightBuffers.rows.at(first + i);
-      visit(std::bit_cast<uint>(row.x), std::bit_cast<uint>(row.y), std::bit_cast<uint>(row.z));
+      const Word4& row = lightBuffers.rows.at(first + i);
+      visit(row.x, row.y, row.z);
     }
   }
 }
@@ -332,7 +331,7 @@ TEST(LightBuffer, IsTheSameTwice) {
   const std::vector<LightBufferPoint> points = {pointAt({0, 0, 3}, 1 << 16), pointAt({1, 2, 0}, 1 << 16, 1)};
   const LightBuffers a = buildLightBuffers(points, listed.tree()), b = buildLightBuffers(points, listed.tree());
   ASSERT_EQ(a.rows.size(), b.rows.size());
-  EXPECT_EQ(0, std::memcmp(a.rows.data(), b.rows.data(), a.rows.size() * sizeof(Row)));
+  EXPECT_EQ(0, std::memcmp(a.rows.data(), b.rows.data(), a.rows.size() * sizeof(Word4)));
   EXPECT_EQ(a.visitsNodes, b.visitsNodes);
 }
 
@@ -358,7 +357,7 @@ TEST(LightBuffer, ManyLightsStayBounded) {
   std::vector<LightBufferPoint> points;
   for (int i = 0; i < 300; ++i) points.push_back(pointAt(toFloat(random.point(1)), 1 << 20));
   const LightBuffers lightBuffers = buildLightBuffers(points, listed.tree());
-  EXPECT_LT(lightBuffers.rows.size() * sizeof(Row), size_t(1) << 29);
+  EXPECT_LT(lightBuffers.rows.size() * sizeof(Word4), size_t(1) << 29);
 }
 
 // Where hundreds of triangles cross every cell, no division helps.
@@ -372,7 +371,7 @@ TEST(LightBuffer, PointAmongLargeTrianglesStaysBounded) {
   const Listed listed(std::move(scene));
   LightBufferPoint point = pointAt({0, 0, 0}, 1 << 16);
   const LightBuffers lightBuffers = buildLightBuffers(std::span(&point, 1), listed.tree());
-  EXPECT_LT(lightBuffers.rows.size() * sizeof(Row), size_t(1) << 28);
+  EXPECT_LT(lightBuffers.rows.size() * sizeof(Word4), size_t(1) << 28);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 #include <random>
@@ -149,7 +150,13 @@ struct PackedCensus {
   std::vector<int> seen;
   size_t pairs = 0;
 
-  static uint32_t bits(float value) { return std::bit_cast<uint32_t>(value); }
+  template <class Structure>
+  Structure read(size_t word) const {
+    Structure structure;
+    EXPECT_LE(word + sizeof structure / sizeof(gpu::Word4), packed.primitives.size());
+    std::memcpy(&structure, &packed.primitives.at(word), sizeof structure);
+    return structure;
+  }
 
   void visit(gpu::uint reference, const glm::dvec3& lo, const glm::dvec3& hi) {
     if (reference & gpu::kRefLeaf)
@@ -159,12 +166,12 @@ struct PackedCensus {
   }
 
   void visitNode(const gpu::Node& node, gpu::uint index) {
-    const gpu::uint tags = node.origin.w >> 24, reference = node.planes.w, below = index + 1;
+    const gpu::uint tags = node.exponents >> 24, reference = node.reference, below = index + 1;
     glm::dvec3 lo[2], hi[2];
     for (int k = 0; k < 3; ++k) {
       const double origin = k == 0 ? node.origin.x : k == 1 ? node.origin.y : node.origin.z;
-      const uint32_t planes = bits(k == 0 ? node.planes.x : k == 1 ? node.planes.y : node.planes.z);
-      const double scale = std::ldexp(1.0, int(node.origin.w >> (8 * k) & 255) - 127);
+      const uint32_t planes = k == 0 ? node.planes.x : k == 1 ? node.planes.y : node.planes.z;
+      const double scale = std::ldexp(1.0, int(node.exponents >> (8 * k) & 255) - 127);
       const auto plane = [&](int byte) { return origin + scale * (planes >> (8 * byte) & 255); };
       lo[0][k] = plane(0), hi[0][k] = plane(1), lo[1][k] = plane(2), hi[1][k] = plane(3);
     }
@@ -178,28 +185,28 @@ struct PackedCensus {
 
   // The triangle is the scene's, its corners in cyclic order, each with its normal.
   template <class ExpectInside>
-  void expectTriangle(gpu::uint rank, const std::array<gpu::Row, 3>& rows, const gpu::Row& plane, gpu::uint material,
-                      gpu::uint normals, const ExpectInside& expectInside) {
+  void expectTriangle(gpu::uint rank, const std::array<gpu::vec3, 3>& vertices, const gpu::Plane& plane,
+                      gpu::uint material, gpu::uint normals, const ExpectInside& expectInside) {
     const gpu::uint id = ids.at(rank);
     ++seen.at(id);
     const Triangle& triangle = local.triangles.at(id - local.spheres.size());
     EXPECT_EQ(material, triangle.material);
     EXPECT_EQ(normals == gpu::kRefNone, triangle.normals == kNoNormals);
-    const auto vector = [](const gpu::Row& r) { return glm::dvec3(r.x, r.y, r.z); };
+    const auto vector = [](const gpu::vec3& v) { return glm::dvec3(v.x, v.y, v.z); };
     size_t turn = 0;
-    while (turn < 3 && vector(rows[0]) != triangle.vertices[turn]) ++turn;
+    while (turn < 3 && vector(vertices[0]) != triangle.vertices[turn]) ++turn;
     ASSERT_LT(turn, 3u);
     for (size_t i = 0; i < 3; ++i) {
-      const glm::dvec3 vertex = vector(rows[i]);
+      const glm::dvec3 vertex = vector(vertices[i]);
       EXPECT_EQ(vertex, triangle.vertices[(turn + i) % 3]);
       expectInside(vertex);
-      EXPECT_NEAR(glm::dot(vector(plane), vertex), double(std::bit_cast<float>(plane.w)), 1e-6);
+      EXPECT_NEAR(glm::dot(vector(plane.normal), vertex), double(plane.offset), 1e-6);
       if (normals == gpu::kRefNone) continue;
       const gpu::VertexNormals& n = packed.vertexNormals.at(normals);
       EXPECT_EQ(vector(i == 0 ? n.n0 : i == 1 ? n.n1 : n.n2), local.normals[triangle.normals][(turn + i) % 3]);
     }
     const auto& [a, b, c] = triangle.vertices;
-    EXPECT_GT(glm::dot(vector(plane), glm::cross(b - a, c - a)), 0);
+    EXPECT_GT(glm::dot(vector(plane.normal), glm::cross(b - a, c - a)), 0);
   }
 
   void visitLeaf(gpu::uint reference, const glm::dvec3& lo, const glm::dvec3& hi) {
@@ -209,28 +216,27 @@ struct PackedCensus {
         EXPECT_LE(p[k], hi[k]);
       }
     };
-    size_t row = gpu::kUnitRows * size_t(reference & gpu::kRefOffsetMask);
+    size_t word = gpu::kUnitWords * size_t(reference & gpu::kRefOffsetMask);
     for (gpu::uint left = (reference >> gpu::kRefCountShift & gpu::kRefCountMask) + 1; left > 0; --left) {
-      const gpu::Row& first = packed.primitives.at(row);
       if (reference & gpu::kRefTriangle) {
-        const auto& at = packed.primitives;
+        const auto pair = read<gpu::TrianglePair>(word);
         ++pairs;
-        expectTriangle(first.w, {first, at.at(row + 1), at.at(row + 2)}, at.at(row + 4), at.at(row + 1).w,
-                       at.at(row + 2).w, expectInside);
-        if (at.at(row + 3).w != gpu::kRefNone) {
-          const gpu::uint normals = at.at(row + 2).w == gpu::kRefNone ? gpu::kRefNone : at.at(row + 2).w + 1;
-          expectTriangle(at.at(row + 3).w, {at.at(row + 3), at.at(row + 2), at.at(row + 1)}, at.at(row + 5),
-                         at.at(row + 1).w, normals, expectInside);
+        expectTriangle(pair.rank0, {pair.v0, pair.v1, pair.v2}, pair.planes[0], pair.material, pair.normals,
+                       expectInside);
+        if (pair.rank1 != gpu::kRefNone) {
+          const gpu::uint normals = pair.normals == gpu::kRefNone ? gpu::kRefNone : pair.normals + 1;
+          expectTriangle(pair.rank1, {pair.v3, pair.v2, pair.v1}, pair.planes[1], pair.material, normals, expectInside);
         }
-        row += gpu::kPairUnits * gpu::kUnitRows;
+        word += gpu::kPairUnits * gpu::kUnitWords;
       } else {
-        const uint32_t id = ids.at(bits(packed.primitives.at(row + 1).x));
+        const auto packedSphere = read<gpu::Sphere>(word);
+        const uint32_t id = ids.at(packedSphere.rank);
         ++seen.at(id);
         const Sphere& sphere = local.spheres.at(id);
         expectInside(sphere.center - sphere.radius);
         expectInside(sphere.center + sphere.radius);
-        EXPECT_EQ(std::bit_cast<float>(first.w), float(sphere.radius));
-        row += gpu::kUnitRows;
+        EXPECT_EQ(packedSphere.radius, float(sphere.radius));
+        word += gpu::kSphereUnits * gpu::kUnitWords;
       }
     }
   }

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <map>
+#include <regex>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -33,13 +35,53 @@ struct Edit {
   std::string file, from, to;
 };
 
-// The kernel's sources with some texts replaced, each of which must stand in its file once.
-std::vector<ShaderSource> edited(const std::vector<Edit>& edits) {
+ShaderSource& sourceIn(std::vector<ShaderSource>& sources, const std::string& file) {
+  const auto source =
+      std::find_if(sources.begin(), sources.end(), [&](const ShaderSource& s) { return s.path == shaderPath(file); });
+  if (source == sources.end()) throw RunError("no source " + file);
+  return *source;
+}
+
+// The kernel's sources with the lines of interface.h written out as declarations, as an author may: blocks in
+// whitted.comp, arrays in buffer_access.glsl, constants in layout.h.
+std::vector<ShaderSource> writtenOut() {
   std::vector<ShaderSource> sources = readShaderSources(shaderPath("whitted.comp"));
+  std::string blocks, arrays, constants;
+  std::istringstream interface(*sourceIn(sources, "interface.h").text);
+  for (std::string line; std::getline(interface, line);) {
+    std::smatch m;
+    static const std::regex block(R"(TURNER_BLOCK\((\w+), \d+, (\w*), (\w+), (\w+), (.*), ".*)"),
+        array(R"(TURNER_ARRAY\((\w+), \d+, (\w+), ".*)"),
+        constant(R"(TURNER_(?:CONSTANT|FEATURE)\((\w+), \d+, (\w+), (\w+), (\w+).*)");
+    if (std::regex_match(line, m, block))
+      blocks += "layout(std430, binding = kBind" + m.str(1) + ") " + m.str(2) + " buffer " + m.str(1) + "Buffer { " +
+                m.str(3) + ' ' + m.str(4) + m.str(5) + "; };\n";
+    else if (std::regex_match(line, m, array))
+      arrays += "WORDS(" + m.str(2) + ", kBind" + m.str(1) + ");\n";
+    else if (std::regex_match(line, m, constant))
+      constants +=
+          "layout(constant_id = kSpec" + m.str(1) + ") const " + m.str(2) + ' ' + m.str(3) + " = " + m.str(4) + ";\n";
+  }
+  const auto replaceFrom = [&](const std::string& file, const std::string& from, const std::string& to,
+                               const std::string& by) {
+    std::string& text = *sourceIn(sources, file).text;
+    const size_t begin = text.find(from), end = text.find(to, begin);
+    if (begin == std::string::npos || end == std::string::npos) throw RunError(from + " is not in " + file);
+    text.replace(begin, end + to.size() - begin, by);
+  };
+  const std::string include = "#include \"interface.h\"\n";
+  replaceFrom("whitted.comp", "#define TURNER_BLOCK", include, blocks);
+  replaceFrom("buffer_access.glsl", "#define TURNER_ARRAY", include, arrays);
+  replaceFrom("layout.h", "  layout(constant_id = id) const type NAME = value;", "\n", "\n");
+  replaceFrom("layout.h", include, "\n", include + "#ifndef __cplusplus\n" + constants + "#endif\n");
+  return sources;
+}
+
+// The same with some texts replaced, each of which must stand in its file once.
+std::vector<ShaderSource> edited(const std::vector<Edit>& edits) {
+  std::vector<ShaderSource> sources = writtenOut();
   for (const Edit& edit : edits) {
-    const auto source = std::find_if(sources.begin(), sources.end(),
-                                     [&](const ShaderSource& s) { return s.path == shaderPath(edit.file); });
-    if (source == sources.end()) throw RunError("no source " + edit.file);
+    ShaderSource* const source = &sourceIn(sources, edit.file);
     const size_t at = source->text->find(edit.from);
     if (at == std::string::npos || source->text->find(edit.from, at + 1) != std::string::npos)
       throw RunError("'" + edit.from + "' does not stand once in " + edit.file);
@@ -85,20 +127,22 @@ std::vector<ShaderSource> smallKernel(const std::string& declarations, const std
   sources[0].text =
       "#version 460\n#extension GL_GOOGLE_include_directive : require\n#include \"layout.h\"\n"
       "layout(local_size_x_id = kSpecWorkGroup, local_size_y = 1, local_size_z = 1) in;\n"
-      "layout(std430, binding = kBindPixels) buffer PixelBuffer { Row pixels[]; };\n" +
+      "layout(std430, binding = kBindPixels) buffer PixelsBuffer { Word4 pixels[]; };\n" +
       declarations + "void main() {\n" + statements + "}\n";
   return sources;
 }
 
 TEST(KernelCheck, TheKernelPassesInAllWaysOfFetching) {
-  for (const BufferAccess access : kAllWays)
-    EXPECT_EQ(complaintAbout(std::vector<Edit>(), access), "") << accessName(access);
+  for (const BufferAccess access : kAllWays) {
+    EXPECT_EQ(complaintAbout(readShaderSources(shaderPath("whitted.comp")), access), "") << accessName(access);
+    EXPECT_EQ(complaintAbout(std::vector<Edit>(), access), "") << accessName(access) << ", written out";
+  }
 }
 
 // --- changes that the host does not mind -----------------------------------------------------------------------------
 
 TEST(KernelCheck, APrivateConstantPasses) {
-  const Edit edit = {"whitted.comp", "const uint kDone = kPixelDone;",
+  const Edit edit = {"resume.glsl", "const uint kDone = kPixelDone;",
                      "const uint kDone = kPixelDone;\nconst float kMine[2] = {0.5, 2.0};"};
   for (const BufferAccess access : kAllWays)
     EXPECT_EQ(complaintAbout({edit, {"whitted.comp", "sum / float(SAMPLES", "kMine[phase & 1u] * sum / float(SAMPLES"}},
@@ -108,7 +152,7 @@ TEST(KernelCheck, APrivateConstantPasses) {
 }
 
 TEST(KernelCheck, AConstantIdOfTheUsersOwnPasses) {
-  const std::vector<Edit> edits = {{"whitted.comp", "const uint kDone = kPixelDone;",
+  const std::vector<Edit> edits = {{"resume.glsl", "const uint kDone = kPixelDone;",
                                     "const uint kDone = kPixelDone;\nlayout(constant_id = 40) const float MINE = 0.5;"},
                                    {"whitted.comp", "sum / float(SAMPLES", "MINE * sum / float(SAMPLES"}};
   EXPECT_EQ(complaintAbout(edits), "");
@@ -116,9 +160,9 @@ TEST(KernelCheck, AConstantIdOfTheUsersOwnPasses) {
 
 TEST(KernelCheck, AnUnusedBindingMayGo) {
   const std::vector<Edit> edits = {
-      {"buffer_access.glsl", "ROWS(lights, kBindLights);", ""},
-      {"whitted.comp", "Row position = ROW(lights, kLightRows * light + kLightPosition);", "Row position = Row(0u);"},
-      {"whitted.comp", "Row color = ROW(lights, kLightRows * light + kLightColor);", "Row color = Row(0u);"}};
+      {"buffer_access.glsl", "WORDS(lights, kBindLights);", ""},
+      {"scene.glsl", "Word4 a = WORD4(lights, kLightWords * index), b = WORD4(lights, kLightWords * index + 1u);",
+       "Word4 a = Word4(0u), b = Word4(0u);"}};
   for (const BufferAccess access : kAllWays) EXPECT_EQ(complaintAbout(edits, access), "") << accessName(access);
 }
 
@@ -140,8 +184,8 @@ TEST(KernelCheck, SharedMemoryAndSubgroupsPass) {
 }
 
 TEST(KernelCheck, ABlockMayHaveAnotherName) {
-  EXPECT_EQ(complaintAbout({{"whitted.comp", "buffer StateBuffer { Row state[]; };",
-                             "buffer Waiting { Row rowsOfWork[]; };\n#define state rowsOfWork"}}),
+  EXPECT_EQ(complaintAbout({{"whitted.comp", "buffer StateBuffer { Word4 state[]; };",
+                             "buffer Waiting { Word4 words[]; };\n#define state words"}}),
             "");
 }
 
@@ -160,22 +204,22 @@ TEST(KernelCheck, ABindingBeyondTheHostsIsRefused) {
 
 TEST(KernelCheck, SwappedBindingsAreRefused) {
   const std::vector<Edit> edits = {
-      {"whitted.comp", "kBindState) buffer StateBuffer", "kBindPixels) buffer StateBuffer"},
-      {"whitted.comp", "kBindPixels) buffer PixelBuffer", "kBindState) buffer PixelBuffer"}};
+      {"whitted.comp", "kBindState)  buffer StateBuffer", "kBindPixels)  buffer StateBuffer"},
+      {"whitted.comp", "kBindPixels)  buffer PixelsBuffer", "kBindState)  buffer PixelsBuffer"}};
   const std::string complaint = complaintAbout(edits);
   EXPECT_THAT(complaint,
               HasSubstr(placeOf(edits, "whitted.comp", "StateBuffer") +
                         "StateBuffer has binding 2, where turner binds the pixels; write binding = kBindState"));
-  EXPECT_THAT(complaint, HasSubstr(placeOf(edits, "whitted.comp", "PixelBuffer") +
-                                   "PixelBuffer has binding 1, where turner binds the state of the invocations; write "
+  EXPECT_THAT(complaint, HasSubstr(placeOf(edits, "whitted.comp", "PixelsBuffer") +
+                                   "PixelsBuffer has binding 1, where turner binds the state of the invocations; write "
                                    "binding = kBindPixels"));
   EXPECT_EQ(linesOf(complaint), 2u);
 }
 
 TEST(KernelCheck, SwappedRowsAreRefusedAtTheirMacros) {
   const std::vector<Edit> edits = {
-      {"buffer_access.glsl", "ROWS(nodes, kBindNodes)", "ROWS(nodes, kBindPrimitives)"},
-      {"buffer_access.glsl", "ROWS(primitives, kBindPrimitives)", "ROWS(primitives, kBindNodes)"}};
+      {"buffer_access.glsl", "WORDS(nodes, kBindNodes)", "WORDS(nodes, kBindPrimitives)"},
+      {"buffer_access.glsl", "WORDS(primitives, kBindPrimitives)", "WORDS(primitives, kBindNodes)"}};
   for (const BufferAccess access : {BufferAccess::texelBuffer, BufferAccess::storageBuffer}) {
     const std::string complaint = complaintAbout(edits, access);
     EXPECT_EQ(linesOf(complaint), 2u) << complaint;
@@ -194,9 +238,8 @@ TEST(KernelCheck, AnotherSetIsRefused) {
 
 TEST(KernelCheck, ASecondUseOfABindingIsRefused) {
   const std::vector<Edit> edits = {
-      {"whitted.comp", "vec3 xyz(const Row row)",
-       "layout(std430, binding = 1) buffer Extra { float extra[]; };\nvec3 xyz(const Row row)"},
-      {"whitted.comp", "sum / float(SAMPLES", "extra[at] * sum / float(SAMPLES"}};
+      {"whitted.comp", "Frame frame;", "layout(std430, binding = 1) buffer Extra { float extra[]; };\nFrame frame;"},
+      {"whitted.comp", "sum / float(SAMPLES", "extra[pixelAt] * sum / float(SAMPLES"}};
   EXPECT_THAT(complaintAbout(edits),
               AllOf(StartsWith(placeOf(edits, "whitted.comp", "Extra")), HasSubstr("Extra holds float[]"),
                     HasSubstr("at binding 1 turner binds the state of the invocations")));
@@ -220,12 +263,12 @@ TEST(KernelCheck, RowsInAnotherWayAreRefused) {
   EXPECT_THAT(
       complaint(BufferAccess::storageBuffer, BufferAccess::texelBuffer),
       HasSubstr(location + "nodesBuffer is a storage buffer; at binding 4 turner binds the nodes as a storage texel "
-                           "buffer; declare it by ROWS() of buffer_access.glsl"));
-  EXPECT_EQ(linesOf(complaint(BufferAccess::storageBuffer, BufferAccess::texelBuffer)), size_t(kRowArrays));
+                           "buffer; declare it by WORDS() of buffer_access.glsl"));
+  EXPECT_EQ(linesOf(complaint(BufferAccess::storageBuffer, BufferAccess::texelBuffer)), size_t(kSceneArrays));
   EXPECT_THAT(
       complaint(BufferAccess::storageBuffer, BufferAccess::deviceAddress),
       HasSubstr(location + "nodesBuffer has binding 4; turner binds 0 to 3 where rows are fetched as addresses; read "
-                           "rows by ROW() of buffer_access.glsl"));
+                           "rows by WORD4() of buffer_access.glsl"));
   EXPECT_THAT(complaint(BufferAccess::deviceAddress, BufferAccess::storageBuffer),
               HasSubstr("needs PhysicalStorageBufferAddresses, which turner's device is not opened with where rows are "
                         "fetched as buffers"));
@@ -251,7 +294,7 @@ TEST(KernelCheck, OtherResourcesAreRefused) {
        "Params is an image that turner does not bind"},
       {"layout(binding = 4) uniform usamplerBuffer Params;\n", "  pixels[0] = texelFetch(Params, 0);\n",
        "Params is a texture that turner does not bind"},
-      {"layout(std430, binding = 4) buffer Params { Row rows[]; } many[2];\n", "  pixels[0] = many[1].rows[0];\n",
+      {"layout(std430, binding = 4) buffer Params { Word4 rows[]; } many[2];\n", "  pixels[0] = many[1].rows[0];\n",
        " is an array of bindings"},
   };
   for (const auto& each : cases) {
@@ -275,7 +318,7 @@ TEST(KernelCheck, SwappedMembersAreRefused) {
 }
 
 TEST(KernelCheck, AnInsertedMemberIsOneFault) {
-  const std::vector<Edit> edits = {{"layout.h", "Row centreHi; ", "Row mine; Row centreHi; "}};
+  const std::vector<Edit> edits = {{"layout.h", "vec3 centreHi;", "uvec4 mine; vec3 centreHi;"}};
   for (const BufferAccess access : kAllWays) {
     const std::string complaint = complaintAbout(edits, access);
     EXPECT_THAT(complaint, AllOf(StartsWith(placeOf(edits, "layout.h", "mine;")),
@@ -285,10 +328,10 @@ TEST(KernelCheck, AnInsertedMemberIsOneFault) {
 }
 
 TEST(KernelCheck, AMemberBehindTheHostsIsRefused) {
-  const std::vector<Edit> edits = {{"layout.h", "Row addresses[6]; ", "Row addresses[6]; Row mine; "}};
+  const std::vector<Edit> edits = {{"layout.h", "uvec4 addresses[6]; ", "uvec4 addresses[6]; uvec4 mine; "}};
   EXPECT_THAT(complaintAbout(edits), AllOf(StartsWith(placeOf(edits, "layout.h", "mine;")),
                                            HasSubstr("mine is at byte 224 of Frame here, where nothing begins")));
-  const std::vector<Edit> longer = {{"layout.h", "Row addresses[6]; ", "Row addresses[7]; "}};
+  const std::vector<Edit> longer = {{"layout.h", "uvec4 addresses[6]; ", "uvec4 addresses[7]; "}};
   EXPECT_THAT(complaintAbout(longer),
               AllOf(StartsWith(placeOf(longer, "layout.h", "addresses[7]")),
                     HasSubstr("addresses is a uvec4[7] here, but a uvec4[6] in the running turner")));
@@ -298,7 +341,7 @@ TEST(KernelCheck, AMemberOfAnotherTypeIsRefused) {
   const std::vector<Edit> edits = {
       {"whitted.comp", "buffer StatusBuffer { Status status; };",
        "buffer StatusBuffer { float unfinished; uint limiter, samplesWaiting, mediaLost; } status;"},
-      {"whitted.comp", "atomicAdd(status.unfinished, 1u);", "status.unfinished = 1.0;"}};
+      {"resume.glsl", "atomicAdd(status.unfinished, 1u);", "status.unfinished = 1.0;"}};
   EXPECT_THAT(complaintAbout(edits), AllOf(StartsWith(placeOf(edits, "whitted.comp", "unfinished; uint limiter")),
                                            HasSubstr("unfinished is a float here, but a uint in the running turner")));
 }
@@ -318,31 +361,32 @@ TEST(KernelCheck, ChangedPushConstantsAreRefused) {
 
 TEST(KernelCheck, AnotherStrideIsRefused) {
   const std::vector<Edit> edits = {
-      {"whitted.comp", "buffer PixelBuffer { Row pixels[]; };", "buffer PixelBuffer { Pixel pixels[]; };"},
+      {"whitted.comp", "buffer PixelsBuffer { Word4 pixels[]; };", "buffer PixelsBuffer { Pixel pixels[]; };"},
       {"whitted.comp", "layout(std430, binding = kBindPixels)",
-       "struct Pixel { Row row, mine; };\nlayout(std430, binding = kBindPixels)"},
-      {"whitted.comp", "pixels[at].w", "pixels[at].row.w"},
-      {"whitted.comp", "pixels[at] = packRow", "pixels[at].row = packRow"}};
+       "struct Pixel { Word4 word, mine; };\nlayout(std430, binding = kBindPixels)"},
+      {"resume.glsl", "pixels[pixelAt].w", "pixels[pixelAt].word.w"},
+      {"whitted.comp", "pixels[pixelAt] = packWord", "pixels[pixelAt].word = packWord"}};
   for (const BufferAccess access : kAllWays)
     EXPECT_THAT(
         complaintAbout(edits, access),
-        AllOf(StartsWith(placeOf(edits, "whitted.comp", "PixelBuffer")),
-              HasSubstr("PixelBuffer holds struct Pixel[]; at binding 2 turner binds the pixels, which are rows"),
-              HasSubstr("declare it as { Row pixels[]; }")));
+        AllOf(StartsWith(placeOf(edits, "whitted.comp", "PixelsBuffer")),
+              HasSubstr("PixelsBuffer holds struct Pixel[]; at binding 2 turner binds the pixels, which are rows"),
+              HasSubstr("declare it as { Word4 pixels[]; }")));
 }
 
 TEST(KernelCheck, RowsBehindSomethingElseAreRefused) {
-  EXPECT_THAT(complaintAbout({{"whitted.comp", "{ Row state[]; }", "{ Row mine; Row state[]; }"}}),
+  EXPECT_THAT(complaintAbout({{"whitted.comp", "{ Word4 state[]; }", "{ Word4 mine; Word4 state[]; }"}}),
               HasSubstr("StateBuffer holds uvec4 and more"));
-  EXPECT_THAT(complaintAbout({{"whitted.comp", "{ Row state[]; }", "{ layout(offset = 32) Row state[]; }"}}),
+  EXPECT_THAT(complaintAbout({{"whitted.comp", "{ Word4 state[]; }", "{ layout(offset = 32) Word4 state[]; }"}}),
               HasSubstr("StateBuffer holds uvec4[] at byte 32, one element every 16 bytes"));
 }
 
 // --- specialisation constants and the work-group ---------------------------------------------------------------------
 
-// Every id takes the type that features.glsl gives it, and no other.
-TEST(KernelCheck, ConstantsHaveTheTypesOfFeatures) {
-  const std::string features = readTextFile(shaderPath("features.glsl"));
+// Every id takes the type that interface.h gives it, and no other.
+TEST(KernelCheck, ConstantsHaveTheTypesOfTheInterface) {
+  std::vector<ShaderSource> sources = writtenOut();
+  const std::string features = *sourceIn(sources, "layout.h").text;
   int tried = 0;
   for (uint32_t id = 0; id < gpu::kSpecCount; ++id) {
     const std::string number = std::to_string(id);
@@ -374,25 +418,24 @@ TEST(KernelCheck, ConstantsHaveTheTypesOfFeatures) {
 }
 
 TEST(KernelCheck, AConstantOfAnotherTypeIsRefused) {
-  const std::vector<Edit> edit = {{"features.glsl", "const bool COUNTERS = false;",
+  const std::vector<Edit> edit = {{"layout.h", "const bool COUNTERS = false;",
                                    "const uint COUNTERS_ON = 0u;\nconst bool COUNTERS = COUNTERS_ON != 0u;"}};
   EXPECT_THAT(
       complaintAbout(edit),
-      AllOf(StartsWith(placeOf(edit, "features.glsl", "COUNTERS_ON = 0u")),
+      AllOf(StartsWith(placeOf(edit, "layout.h", "COUNTERS_ON = 0u")),
             HasSubstr("COUNTERS_ON is a uint with the constant_id of kSpecCounters, for which turner gives a bool"),
             HasSubstr("take an id from 22 on for a constant of your own")));
 }
 
 TEST(KernelCheck, SwappedConstantsAreRefused) {
-  const std::vector<Edit> edits = {{"features.glsl", "kSpecDepth", "kSpecFor"},
-                                   {"features.glsl", "kSpecSamples", "kSpecDepth"},
-                                   {"features.glsl", "kSpecFor", "kSpecSamples"}};
+  const std::vector<Edit> edits = {{"layout.h", "kSpecDepth) const uint DEPTH", "kSpecSamples) const uint DEPTH"},
+                                   {"layout.h", "kSpecSamples) const uint SAMPLES", "kSpecDepth) const uint SAMPLES"}};
   const std::string complaint = complaintAbout(edits);
   EXPECT_THAT(complaint,
-              HasSubstr(placeOf(edits, "features.glsl", "DEPTH = ") +
+              HasSubstr(placeOf(edits, "layout.h", "DEPTH = ") +
                         "DEPTH has the constant_id of kSpecSamples, but turner gives it as kSpecDepth; write "
                         "constant_id = kSpecDepth"));
-  EXPECT_THAT(complaint, HasSubstr(placeOf(edits, "features.glsl", "SAMPLES = ")));
+  EXPECT_THAT(complaint, HasSubstr(placeOf(edits, "layout.h", "SAMPLES = ")));
   EXPECT_EQ(linesOf(complaint), 2u);
 }
 
@@ -403,7 +446,7 @@ TEST(KernelCheck, AnotherWorkGroupIsRefused) {
                             "local_size_x_id = kSpecWorkGroup, local_size_y = 2, local_size_z = 1",
                             "local_size_x_id = kSpecWorkGroup, local_size_y_id = kSpecDepth, local_size_z = 1",
                             "local_size_y_id = kSpecWorkGroup, local_size_x = 1, local_size_z = 1"}) {
-    std::vector<ShaderSource> sources = smallKernel("", "  pixels[gl_WorkGroupID.x] = Row(1u);\n");
+    std::vector<ShaderSource> sources = smallKernel("", "  pixels[gl_WorkGroupID.x] = Word4(1u);\n");
     sources[0].text->replace(sources[0].text->find(original), original.size(), other);
     EXPECT_THAT(complaintAbout(sources, BufferAccess::storageBuffer),
                 AllOf(StartsWith(sources[0].path + ":4:"), HasSubstr("write layout(local_size_x_id = kSpecWorkGroup, "
@@ -441,8 +484,8 @@ TEST(KernelCheck, AllFaultsAreToldAtOnce) {
   const std::vector<Edit> edits = {
       {"whitted.comp", "local_size_y = 1", "local_size_y = 2"},
       {"whitted.comp", "binding = kBindStatus", "binding = 12"},
-      {"whitted.comp", "{ Row state[]; }", "{ Row mine; Row state[]; }"},
-      {"features.glsl", "const bool FALLOFF = true", "const uint FALLING = 1u;\nconst bool FALLOFF = FALLING != 0u"}};
+      {"whitted.comp", "{ Word4 state[]; }", "{ Word4 mine; Word4 state[]; }"},
+      {"layout.h", "const bool FALLOFF = true", "const uint FALLING = 1u;\nconst bool FALLOFF = FALLING != 0u"}};
   EXPECT_EQ(linesOf(complaintAbout(edits)), 4u);
 }
 

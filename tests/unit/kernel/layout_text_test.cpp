@@ -2,11 +2,13 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <string>
 
 #include "base/errors.h"
 #include "base/text_file.h"
 #include "kernel/layout_text.h"
+#include "layout.h"
 
 namespace turner {
 namespace {
@@ -51,30 +53,29 @@ TEST(LayoutText, TheHostsOwnPasses) {
 }
 
 TEST(LayoutText, AnotherValueIsRefusedWithPlaceAndRemedy) {
-  EXPECT_EQ(afterEdit("kSpecDepth = 1u", "kSpecDepth = 7u"),
-            placeOf("kSpecDepth = 1u") +
-                "kSpecDepth is 7u here, but 1u in the running turner, which was built with its own layout.h and cannot "
+  EXPECT_EQ(afterEdit("kGrid = 0u", "kGrid = 7u"),
+            placeOf("kGrid = 0u") +
+                "kGrid is 7u here, but 0u in the running turner, which was built with its own layout.h and cannot "
                 "follow; build turner with this file, or take the change back");
 }
 
 TEST(LayoutText, AnotherValueInAListIsRefused) {
-  EXPECT_THAT(afterEdit("kNodePlanes = 1u", "kNodePlanes = 2u"),
-              StartsWith(placeOf("kNodePlanes = 1u") + "kNodePlanes is 2u here, but 1u in"));
+  EXPECT_THAT(afterEdit("kSphereWords = 2u", "kSphereWords = 3u"),
+              StartsWith(placeOf("kSphereWords = 2u") + "kSphereWords is 3u here, but 2u in"));
 }
 
 TEST(LayoutText, AnotherValueByDefineIsRefused) {
-  EXPECT_THAT(afterEdit("TURNER_CONST kLightPosition = 0u, kLightColor = 1u, kLightRows = 2u;",
-                        "#define kLightPosition 1u\n#define kLightColor 0u\n#define  kLightRows 2u"),
-              AllOf(HasSubstr("kLightPosition is 1u here, but 0u in"), HasSubstr("kLightColor is 0u here, but 1u in"),
-                    testing::Not(HasSubstr("kLightRows"))));
+  EXPECT_THAT(afterEdit("TURNER_CONST kGrid = 0u;\nTURNER_CONST kJitter = 1u;\nTURNER_CONST kSobol = 2u;",
+                        "#define kGrid 1u\n#define kJitter 0u\n#define  kSobol 2u"),
+              AllOf(HasSubstr("kGrid is 1u here, but 0u in"), HasSubstr("kJitter is 0u here, but 1u in"),
+                    testing::Not(HasSubstr("kSobol"))));
 }
 
 TEST(LayoutText, AnotherValueIsRefusedInWhicheverFileItStands) {
   EXPECT_THAT(
-      complaintAbout("const uint kLightRows = 3u;\n#define kLightColor\nconst uint kMine = 3u;", "edited/mine.glsl"),
-      AllOf(StartsWith("edited/mine.glsl:1:12: error: kLightRows is 3u here, but 2u in"),
-            HasSubstr("edited/mine.glsl:2:1: error: kLightColor is  here, but 1u in"),
-            testing::Not(HasSubstr("kMine"))));
+      complaintAbout("const uint kSobol = 3u;\n#define kJitter\nconst uint kMine = 3u;", "edited/mine.glsl"),
+      AllOf(StartsWith("edited/mine.glsl:1:12: error: kSobol is 3u here, but 2u in"),
+            HasSubstr("edited/mine.glsl:2:1: error: kJitter is  here, but 1u in"), testing::Not(HasSubstr("kMine"))));
 }
 
 TEST(LayoutText, AnotherExpressionIsRefused) {
@@ -90,13 +91,13 @@ TEST(LayoutText, AnotherValueIsSeenHoweverItIsDeclared) {
 
 TEST(LayoutText, AllFaultsAreToldAtOnceInTheirOrder) {
   std::string text = original();
-  text.replace(text.find("kSpecBudget = 15u"), 17, "kSpecBudget = 16u");
+  text.replace(text.find("kSobol = 2u"), 11, "kSobol = 3u");
   text.replace(text.find("kRefLeaf = 0x80000000u"), 22, "kRefLeaf = 0x40000000u");
   text.replace(text.find("uint limiter;"), 13, "int limiter;");
   const std::string complaint = complaintAbout(text);
   EXPECT_EQ(std::count(complaint.begin(), complaint.end(), '\n'), 2);
-  EXPECT_LT(complaint.find("kRefLeaf"), complaint.find("kSpecBudget"));
-  EXPECT_LT(complaint.find("kSpecBudget"), complaint.find("struct Status"));
+  EXPECT_LT(complaint.find("kRefLeaf"), complaint.find("kSobol"));
+  EXPECT_LT(complaint.find("kSobol"), complaint.find("struct Status"));
 }
 
 TEST(LayoutText, SwappedMembersAreRefused) {
@@ -106,24 +107,62 @@ TEST(LayoutText, SwappedMembersAreRefused) {
 }
 
 TEST(LayoutText, AddedAndLostMembersAreRefused) {
-  EXPECT_THAT(afterEdit("Row addresses[6];", "Row addresses[6]; Row mine;"),
-              HasSubstr("struct Frame has 'Row mine' here, but ends before it in the running turner"));
+  EXPECT_THAT(afterEdit("uvec4 addresses[6];", "uvec4 addresses[6]; uvec4 mine;"),
+              HasSubstr("struct Frame has 'uvec4 mine' here, but ends before it in the running turner"));
   EXPECT_THAT(afterEdit("uint mediaLost;", ""),
               HasSubstr("struct Status ends here, but has 'uint mediaLost' in the running turner"));
-  EXPECT_THAT(afterEdit("Row addresses[6];", "Row addresses[7];"),
-              HasSubstr("'Row addresses[7]' here, but 'Row addresses[6]' in"));
+  EXPECT_THAT(afterEdit("uvec4 addresses[6];", "uvec4 addresses[7];"),
+              HasSubstr("'uvec4 addresses[7]' here, but 'uvec4 addresses[6]' in"));
 }
 
 TEST(LayoutText, AnotherSpellingPasses) {
   EXPECT_EQ(afterEdit("kMaxLeafSize = 4u", "kMaxLeafSize = /* the same */ 0x4U"), "");
   EXPECT_EQ(afterEdit("uint x0, y0;", "uint x0;\n  uint y0;"), "");
-  EXPECT_EQ(afterEdit("Row addresses[6];", "Row addresses[0x6u];"), "");
+  EXPECT_EQ(afterEdit("uvec4 addresses[6];", "uvec4 addresses[0x6u];"), "");
   EXPECT_EQ(afterEdit("kSphereUnits = 1u, kPairUnits = 3u;", "kSphereUnits = 1u;\nTURNER_CONST kPairUnits = 3u;"), "");
 }
 
 TEST(LayoutText, CommentsMayChange) {
-  EXPECT_EQ(afterEdit("// What the host reads after a dispatch.", "// kSpecDepth = 9u; struct Tile { uint x; };"), "");
-  EXPECT_EQ(afterEdit("// What the host reads after a dispatch.", "/* TURNER_CONST kSpecDepth = 9u; */"), "");
+  EXPECT_EQ(afterEdit("// What the host reads after a dispatch.", "// kGrid = 9u; struct Tile { uint x; };"), "");
+  EXPECT_EQ(afterEdit("// What the host reads after a dispatch.", "/* TURNER_CONST kGrid = 9u; */"), "");
+}
+
+// The lines of interface.h, by their names.
+TEST(LayoutText, AnotherLineOfTheInterfaceIsRefused) {
+  const std::string interface = readTextFile(TURNER_SHADERS_DIR "/interface.h");
+  const auto edited = [&](const std::string& from, const std::string& to) {
+    std::string text = interface;
+    EXPECT_NE(text.find(from), std::string::npos) << from;
+    text.replace(text.find(from), from.size(), to);
+    return complaintAbout(text, "edited/interface.h");
+  };
+  EXPECT_EQ(edited("", ""), "");
+  EXPECT_THAT(edited("TURNER_CONSTANT(Depth, 1,", "TURNER_CONSTANT(Depth, 7,"),
+              AllOf(StartsWith("edited/interface.h:"), HasSubstr("Depth is TURNER_CONSTANT ( Depth , 7 , uint"),
+                    HasSubstr("here, but TURNER_CONSTANT ( Depth , 1 , uint")));
+  EXPECT_THAT(edited("TURNER_FEATURE(Spheres, 4, bool", "TURNER_FEATURE(Spheres, 4, uint"), HasSubstr("Spheres is"));
+  EXPECT_THAT(edited("TURNER_ARRAY(Materials, 7,", "TURNER_ARRAY(Materials, 8,"), HasSubstr("Materials is"));
+  EXPECT_THAT(edited("TURNER_BLOCK(State, 1,", "TURNER_BLOCK(State, 2,"), HasSubstr("State is"));
+  EXPECT_EQ(edited("#undef TURNER_ARRAY", "TURNER_CONSTANT(Mine, 40, uint, MINE, 1u)\n#undef TURNER_ARRAY"), "");
+}
+
+// What the kernel's check knows of the blocks comes from the text.
+TEST(LayoutText, MembersAreThoseOfTheCompiler) {
+  const auto check = [](const char* structure, size_t size, const char* name, size_t offset, const char* type) {
+    const std::vector<LayoutMember> members = layoutMembers(structure);
+    ASSERT_FALSE(members.empty()) << structure;
+    EXPECT_EQ(members.back().offset + members.back().size, size) << structure;
+    const auto found = std::find_if(members.begin(), members.end(), [&](const auto& m) { return m.name == name; });
+    ASSERT_NE(found, members.end()) << name;
+    EXPECT_EQ(found->offset, offset) << name;
+    EXPECT_EQ(found->type, type) << name;
+  };
+  check("Frame", sizeof(gpu::Frame), "minWeight", offsetof(gpu::Frame, minWeight), "float");
+  check("Frame", sizeof(gpu::Frame), "media", offsetof(gpu::Frame, media), "uvec4");
+  check("Frame", sizeof(gpu::Frame), "addresses", offsetof(gpu::Frame, addresses), "uvec4");
+  check("Tile", sizeof(gpu::Tile), "groups", offsetof(gpu::Tile, groups), "uint");
+  check("Status", sizeof(gpu::Status), "mediaLost", offsetof(gpu::Status, mediaLost), "uint");
+  EXPECT_TRUE(layoutMembers("Nothing").empty());
 }
 
 TEST(LayoutText, AdditionsPass) {
@@ -133,7 +172,7 @@ TEST(LayoutText, AdditionsPass) {
 }
 
 TEST(LayoutText, WhatIsMissingPasses) {
-  EXPECT_EQ(afterEdit("TURNER_CONST kSpecDepth = 1u;", ""), "");
+  EXPECT_EQ(afterEdit("TURNER_CONST kGrid = 0u;", ""), "");
   EXPECT_EQ(complaintAbout(""), "");
 }
 

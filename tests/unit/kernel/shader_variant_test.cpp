@@ -18,23 +18,23 @@ std::string complaintAbout(const Replacement& replacement) {
 }
 
 TEST(ShaderVariant, ReplacesASnippet) {
-  const Replacement replacement{"depth", "features.glsl", "const uint DEPTH = 5u;", "const uint DEPTH = 6u;"};
-  const std::string original = readTextFile(TURNER_SHADERS_DIR "/features.glsl");
+  const Replacement replacement{"depth", "interface.h", "DEPTH, 5u)", "DEPTH, 6u)"};
+  const std::string original = readTextFile(TURNER_SHADERS_DIR "/interface.h");
   const ShaderVariant variant({&replacement, 1});
-  const std::string text = readTextFile(variant.folder() + "/shaders/features.glsl");
-  EXPECT_THAT(text, testing::HasSubstr("const uint DEPTH = 6u;"));
-  EXPECT_THAT(text, testing::Not(testing::HasSubstr("const uint DEPTH = 5u;")));
+  const std::string text = readTextFile(variant.folder() + "/shaders/interface.h");
+  EXPECT_THAT(text, testing::HasSubstr("DEPTH, 6u)"));
+  EXPECT_THAT(text, testing::Not(testing::HasSubstr("DEPTH, 5u)")));
   EXPECT_EQ(text.size(), original.size());
-  EXPECT_EQ(readTextFile(TURNER_SHADERS_DIR "/features.glsl"), original);
+  EXPECT_EQ(readTextFile(TURNER_SHADERS_DIR "/interface.h"), original);
 }
 
 TEST(ShaderVariant, RefusesASnippetThatIsNotThere) {
-  EXPECT_THAT(complaintAbout({"lost one", "features.glsl", "no such text", ""}),
-              testing::AllOf(testing::HasSubstr("'lost one'"), testing::HasSubstr("0 times in features.glsl")));
+  EXPECT_THAT(complaintAbout({"lost one", "interface.h", "no such text", ""}),
+              testing::AllOf(testing::HasSubstr("'lost one'"), testing::HasSubstr("0 times in interface.h")));
 }
 
 TEST(ShaderVariant, RefusesASnippetThatIsThereMoreThanOnce) {
-  EXPECT_THAT(complaintAbout({"common one", "features.glsl", "constant_id", ""}), testing::HasSubstr("'common one'"));
+  EXPECT_THAT(complaintAbout({"common one", "interface.h", "TURNER_FEATURE", ""}), testing::HasSubstr("'common one'"));
 }
 
 }  // namespace

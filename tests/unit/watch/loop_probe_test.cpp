@@ -180,13 +180,16 @@ TEST(LoopProbe, DecodesTheLoop) {
 
 // --- the kernel as it is shipped -------------------------------------------------------------------------------------
 
-// Counted by hand: two each in shade.glsl and state.glsl, four in traverse.glsl, three in whitted.comp.
+// Counted by hand.
 TEST(LoopProbe, KnowsAllLoopsOfTheShaders) {
   std::map<std::string, int> counts;
   const LoopProbe probe = probeLoops(shipped());
   for (const SourceLocation& location : probe.loops) ++counts[location.path.substr(location.path.rfind('/') + 1)];
-  const std::map<std::string, int> expected = {
-      {"shade.glsl", 2}, {"state.glsl", 2}, {"traverse.glsl", 4}, {"whitted.comp", 3}};
+  const std::map<std::string, int> expected = {{"canary.glsl", 1},
+                                               {"nested_dielectrics.glsl", 2},
+                                               {"resume.glsl", 2},
+                                               {"traverse.glsl", 4},
+                                               {"whitted.comp", 2}};
   EXPECT_EQ(counts, expected) << "if a loop was added, count it here";
   for (const SourceLocation& location : probe.loops) {
     const std::string text = readTextFile(location.path);
@@ -291,9 +294,9 @@ INSTANTIATE_TEST_SUITE_P(
                 {{"", "whitted.comp", "  if (!isFinished(traversal)) return;",
                   "  if (!isFinished(traversal)) return;\n  /*here*/for (;;);"}}},
         Planted{"EmptyDo",
-                {{"", "shade.glsl", "  uvec4 interfaces = transmittance(material) > 0.0 ?",
-                  "  /*here*/do {} while (material.other.w == 0u);\n"
-                  "  uvec4 interfaces = transmittance(material) > 0.0 ?"}},
+                {{"", "nested_dielectrics.glsl", "  uvec4 interfaces = material.transmittance > 0.0 ?",
+                  "  /*here*/do {} while (material.glass == 0u);\n"
+                  "  uvec4 interfaces = material.transmittance > 0.0 ?"}},
                 "nested_glass"},
         // With an effect, and only for some invocations.
         Planted{"SomePixels",
@@ -302,24 +305,25 @@ INSTANTIATE_TEST_SUITE_P(
                   "  bool finishedBefore = phase == kDone;"}}},
         Planted{
             "LostIncrement",
-            {{"", "shade.glsl",
+            {{"", "nested_dielectrics.glsl",
               "  i = 0u;\n  do {\n    uint interfaceId = idAt(interfaces, i), medium = interfaceId & ~kInterfaceFront;",
               "  i = 0u;\n  /*here*/do {\n"
               "    uint interfaceId = idAt(interfaces, i), medium = interfaceId & ~kInterfaceFront;"},
-             {"", "shade.glsl", "beyond = withMedium(beyond, medium);\n    ++i;",
+             {"", "nested_dielectrics.glsl", "beyond = withMedium(beyond, medium);\n    ++i;",
               "beyond = withMedium(beyond, medium);"}},
             "nested_glass"},
         Planted{"LostIncrementInAFor",
-                {{"", "whitted.comp", "  for (uint i = 0u; i < frame.background.w; ++i) ++sung;",
-                  "  /*here*/for (uint i = 0u; i < frame.background.w;) ++sung;"}}},
+                {{"", "canary.glsl", "  for (uint i = 0u; i < frame.canaryLength; ++i) ++sung;",
+                  "  /*here*/for (uint i = 0u; i < frame.canaryLength;) ++sung;"}}},
         // A walk that nothing ends: neither its node nor the budget moves on.
         Planted{"NodesThatNeverEnd",
                 {{"", "traverse.glsl", "      do {\n        --budget;\n        visitNode(ray, factors, traversal);",
                   "      /*here*/do {"}},
                 "spot"},
-        Planted{"ShapesThatNeverEnd",
-                {{"", "traverse.glsl", "  do {\n    --budget;\n    uvec2 entry", "  /*here*/do {\n    uvec2 entry"},
-                 {"", "traverse.glsl", "traversal.list.x = within ? traversal.list.x + 1u : end;", ";"}}},
+        Planted{
+            "ShapesThatNeverEnd",
+            {{"", "traverse.glsl", "  do {\n    --budget;\n    ListEntry entry", "  /*here*/do {\n    ListEntry entry"},
+             {"", "traverse.glsl", "traversal.list.first = within ? traversal.list.first + 1u : end;", ";"}}},
         // A function with a loop, called in loops.
         Planted{
             "InACalledFunction",
@@ -328,19 +332,19 @@ INSTANTIATE_TEST_SUITE_P(
               "nearestRoot(const float b,"},
              {"", "intersect.glsl", "bool isOther = c > 0.0 || b < 0.0;", "bool isOther = c > 0.0 || spin(b) < 0.0;"}}},
         // Others run inside of it, each to its end.
-        Planted{"AroundOtherLoops",
-                {{"", "whitted.comp", "    do {\n      followRay(slot, pixel, budget);",
-                  "    /*here*/do {\n      followRay(slot, pixel, budget);"},
-                 {"", "whitted.comp", "    } while (phase != kDone && budget > 0);", "    } while (phase != 77u);"}}},
+        Planted{
+            "AroundOtherLoops",
+            {{"", "whitted.comp", "    do {\n      followRay(budget);", "    /*here*/do {\n      followRay(budget);"},
+             {"", "whitted.comp", "    } while (phase != kDone && budget > 0);", "    } while (phase != 77u);"}}},
         Planted{"AroundLongerLoops",
                 {{"", "whitted.comp", "  bool finishedBefore = phase == kDone;",
-                  "  float x = float(at);\n  /*here*/while (x >= 0.0)\n"
+                  "  float x = float(pixelAt);\n  /*here*/while (x >= 0.0)\n"
                   "    for (int i = 0; i < 40; ++i) x += fract(x) + 1.0;\n  sum.x += x;\n"
                   "  bool finishedBefore = phase == kDone;"}}},
         // Its neighbours and the loops around it end.
         Planted{"InsideOfLoops",
                 {{"", "whitted.comp", "  bool finishedBefore = phase == kDone;",
-                  "  float x = float(at);\n  for (int i = 0; i < 30; ++i)\n    for (int j = 0; j < 30; ++j)"
+                  "  float x = float(pixelAt);\n  for (int i = 0; i < 30; ++i)\n    for (int j = 0; j < 30; ++j)"
                   "\n      if (i < 20) x += 1.0;\n      else /*here*/for (;; x += 1.0) {\n"
                   "        if (x < 0.0) break; else continue;\n      }\n  sum.x += x;\n"
                   "  bool finishedBefore = phase == kDone;"}}},
@@ -348,16 +352,16 @@ INSTANTIATE_TEST_SUITE_P(
         Planted{"LightsThatNeverEnd",
                 {{"", "whitted.comp", "      do {\n        budget -= 1 + idleTurns(SHADOW_NODES);",
                   "      /*here*/do {\n        budget -= 1 + idleTurns(SHADOW_NODES);"},
-                 {"", "whitted.comp", "    ++light;\n", ""}},
+                 {"", "whitted.comp", "    ++lightIndex;\n", ""}},
                 "spheres",
                 kLongProbeBudget},
-        Planted{"SamplesThatNeverEnd",
-                {{"", "whitted.comp", "    do {\n      followRay(slot, pixel, budget);",
-                  "    /*here*/do {\n      followRay(slot, pixel, budget);"},
-                 {"", "whitted.comp", "sampleIndex < SAMPLES * SAMPLES ? kNextSample : kDone",
-                  "sampleIndex < 0xffffffffu ? kNextSample : kDone"}},
-                "spheres",
-                kLongProbeBudget},
+        Planted{
+            "SamplesThatNeverEnd",
+            {{"", "whitted.comp", "    do {\n      followRay(budget);", "    /*here*/do {\n      followRay(budget);"},
+             {"", "whitted.comp", "sampleIndex < SAMPLES * SAMPLES ? kNextSample : kDone",
+              "sampleIndex < 0xffffffffu ? kNextSample : kDone"}},
+            "spheres",
+            kLongProbeBudget},
         Planted{"BeforeAReturn",
                 {{"", "whitted.comp", "  bool finishedBefore = phase == kDone;",
                   "  if (pixel.y == 9u) {\n    /*here*/do sum.x += 1.0; while (sum.x > 0.0);\n    return;\n"
@@ -374,7 +378,8 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(LoopProbe, TellsTheLoopWithTheMostTurnsWhereOnlyTheDriverCut) {
   const std::vector<test::Replacement> replacements = {
       {"", "whitted.comp", "  bool finishedBefore = phase == kDone;",
-       "  float x = float(at);\n  if (pixel.x % 8u == 3u) for (int i = 0; i < 1000; ++i)\n    /*here*/for (int j = 0; "
+       "  float x = float(pixelAt);\n  if (pixel.x % 8u == 3u) for (int i = 0; i < 1000; ++i)\n    /*here*/for (int j "
+       "= 0; "
        "j < 2000; ++j)\n"
        "      x = x * 0.75 + 1.0;\n  sum.x += x;\n  bool finishedBefore = phase == kDone;"}};
   const test::ShaderVariant variant(replacements);

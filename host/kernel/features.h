@@ -1,0 +1,28 @@
+// What a scene needs of the kernel; the rest is compiled out. The members are the features of shaders/interface.h.
+#pragma once
+
+#include <array>
+
+#include "layout.h"
+
+namespace turner {
+
+struct Features {
+  using uint = gpu::uint;
+#define TURNER_FEATURE(Name, id, type, NAME, value, member) type member = 0;
+#include "interface.h"
+  bool operator==(const Features&) const = default;
+};
+
+// Values of the specialisation constants, by their ids.
+using Constants = std::array<gpu::uint, gpu::kSpecCount>;
+
+// Those of the features; all others are 0.
+inline Constants constantsOf(const Features& features) {
+  Constants constants{};
+#define TURNER_FEATURE(Name, id, type, NAME, value, member) constants[gpu::kSpec##Name] = features.member;
+#include "interface.h"
+  return constants;
+}
+
+}  // namespace turner
