@@ -18,14 +18,13 @@
 #include "command/progress_line.h"
 #include "command/stats.h"
 #include "geometry/round_scene.h"
-#include "gpu/prepare.h"
-#include "gpu/renderer.h"
+#include "gpu/session.h"
 #include "image/envelope.h"
 #include "image/error_analysis.h"
 #include "image/exr.h"
 #include "image/png.h"
 #include "image/provenance.h"
-#include "kernel/compile.h"
+#include "kernel/buffer_access.h"
 #include "reference/reference.h"
 #include "scene/scene_load.h"
 
@@ -62,64 +61,60 @@ Scene withoutGeometry(const Scene& scene) {
   return rest;
 }
 
-// A scene on its device: rounded -> tree -> packed -> uploaded.
+// A scene on its device, with progress lines and Ctrl-C.
 class UploadedScene {
  public:
   UploadedScene(Scene scene, const RenderSettings& settings, const RenderOptions& options)
       : quiet_(options.quiet),
-        device_(chooseDeviceFor(options.device)),
-        renderer_(device_, options.access),
-        dispatching_{.tile = options.tile, .workGroup = options.workGroup} {
-    stats_.backend = "shader";
-    stats_.geometry = "rounded";  // the kernel has no other
-    stats_.device = device_;
-    stats_.access = accessName(renderer_.access());
+        session_(chooseDeviceFor(options.device), options.access,
+                 {.tile = options.tile, .workGroup = options.workGroup}) {
+    const DeviceInfo& device = session_.device();
     if (!quiet_)
-      fmt::print("device: {}: {} ({}, {}), fetching {}\n", device_.index, device_.name, device_.type, device_.driver,
-                 stats_.access);
-
-    Stopwatch watch;
-    PackedScene packed = prepareScene(std::move(scene), settings);
-    stats_.treeNodes = packed.nodes.size();
-    stats_.treeDepth = packed.treeDepth;
-    stats_.geometryBytes = packed.bytes();
-    stats_.seconds.build = watch.lap();
+      fmt::print("device: {}: {} ({}, {}), fetching {}\n", device.index, device.name, device.type, device.driver,
+                 accessName(session_.access()));
+    session_.prepare(std::move(scene), settings);
     throwIfInterrupted();
-
-    kernel_ = compileGlsl(shaderFolder(options.shaders) + "/whitted.comp", accessPreamble(renderer_.access()));
-    stats_.seconds.compile = watch.lap();
+    kernel_ = session_.compile(shaderFolder(options.shaders) + "/whitted.comp");
     throwIfInterrupted();
-
-    renderer_.upload(packed);
-    packed = {};
-    stats_.seconds.upload = watch.lap();
+    session_.upload();
   }
 
   // `what` names the work on the progress line.
   Image render(const RenderSettings& settings, const char* what = "tracing") {
     ProgressLine progress(what, sampleCount(settings), quiet_);
-    ShaderPicture picture = renderer_.render(kernel_, settings, std::ref(progress), dispatching_);
-    stats_.seconds.compile += picture.compileSeconds;
-    stats_.seconds.trace += picture.traceSeconds;
-    stats_.seconds.readback += picture.readbackSeconds;
-    return std::move(picture.image);
+    return session_.render(kernel_, settings, std::ref(progress)).image;
   }
 
   void countRays(const RenderSettings& settings) {
     ProgressLine progress("counting rays", sampleCount(settings), quiet_);
-    stats_.visits = renderer_.countVisits(kernel_, settings, std::ref(progress), dispatching_);
-    stats_.rays = stats_.visits.rays;
+    visits_ = session_.countVisits(kernel_, settings, std::ref(progress));
   }
 
-  const Stats& stats() const { return stats_; }
+  Stats stats() const {
+    Stats stats;
+    stats.backend = "shader";
+    stats.geometry = "rounded";  // the kernel has no other
+    stats.device = session_.device();
+    stats.access = accessName(session_.access());
+    const StepSeconds& seconds = session_.seconds();
+    stats.seconds.build = seconds.build;
+    stats.seconds.compile = seconds.compile;
+    stats.seconds.upload = seconds.upload;
+    stats.seconds.trace = seconds.trace;
+    stats.seconds.readback = seconds.readback;
+    stats.treeNodes = session_.tree().nodes;
+    stats.treeDepth = session_.tree().depth;
+    stats.geometryBytes = session_.tree().bytes;
+    stats.visits = visits_;
+    stats.rays = visits_.rays;
+    return stats;
+  }
 
  private:
   bool quiet_;
-  DeviceInfo device_;
-  ShaderRenderer renderer_;
-  Dispatching dispatching_;
+  RenderSession session_;
   Spirv kernel_;
-  Stats stats_;
+  Visits visits_;
 };
 
 Rendered renderWithShader(Scene scene, const RenderSettings& settings, const RenderOptions& options, bool countRays) {

@@ -15,8 +15,7 @@
 #include "base/errors.h"
 #include "base/stopwatch.h"
 #include "base/text_file.h"
-#include "gpu/prepare.h"
-#include "kernel/compile.h"
+#include "gpu/session.h"
 #include "kernel/kernel_check.h"
 #include "kernel/layout_text.h"
 #include "reference/reference.h"
@@ -114,14 +113,14 @@ class Worker {
     ready.sceneEpoch = job.sceneEpoch;
     ready.openSeconds = ready.loadSeconds = ready.buildSeconds = ready.uploadSeconds = 0;
     Stopwatch watch;
-    if (!renderer_) {
+    if (!session_) {
       begin(Step::open);
-      const DeviceInfo device = plan_.chooseDevice();
-      renderer_ = std::make_unique<ShaderRenderer>(device, plan_.access);
+      session_ = std::make_unique<RenderSession>(plan_.chooseDevice(), plan_.access, dispatching_);
+      const DeviceInfo& device = session_->device();
       ready.device = device.name;
       ready.driver = device.driver;
       ready.deviceType = device.type;
-      ready.access = accessName(renderer_->access());
+      ready.access = accessName(session_->access());
       ready.openSeconds = watch.lap();
     }
     if (job.reloadScene || !hasScene_) {
@@ -137,10 +136,10 @@ class Worker {
       ready.spheres = scene.spheres.size();
       ready.triangles = scene.triangles.size();
       ready.loadSeconds = watch.lap();
-      const PackedScene packed = prepareScene(std::move(scene), ready.settings);
-      ready.buildSeconds = watch.lap();
-      renderer_->upload(packed);
-      ready.uploadSeconds = watch.lap();
+      session_->prepare(std::move(scene), ready.settings);
+      session_->upload();
+      ready.buildSeconds = session_->seconds().build;
+      ready.uploadSeconds = session_->seconds().upload;
       hasScene_ = true;
     }
     tell(ready);
@@ -150,7 +149,7 @@ class Worker {
 
   Spirv compile(const std::vector<ShaderSource>& sources) {
     begin(Step::compile);
-    return compileGlsl(sources, accessPreamble(renderer_->access()));
+    return session_->compile(sources);
   }
 
   void render(const Job& job) {
@@ -161,7 +160,7 @@ class Worker {
     Stopwatch watch;
     begin(Step::check);
     checkLayout(job.sources);
-    if (kernel.words != job.goodWords) checkKernel(kernel, job.sources, renderer_->access());
+    if (kernel.words != job.goodWords) checkKernel(kernel, job.sources, session_->access());
     compiled.checkSeconds = watch.lap();
     compiled.words = kernel.words;
     compiled.files = kernel.files;
@@ -172,12 +171,11 @@ class Worker {
     if (compiled.sameAsGood) return;
 
     const RenderSettings& settings = ready_.settings;
-    ShaderPicture coarse =
-        renderer_->renderCoarse(kernel, settings, kCoarseStride, progressOf(Step::coarse), dispatching_);
+    ShaderPicture coarse = session_->renderCoarse(kernel, settings, kCoarseStride, progressOf(Step::coarse));
     throwIfInvalid();
     tell(Picture{job_, true, std::move(coarse.image), coarse.compileSeconds, coarse.traceSeconds,
                  coarse.readbackSeconds});
-    ShaderPicture picture = renderer_->render(kernel, settings, progressOf(Step::picture), dispatching_);
+    ShaderPicture picture = session_->render(kernel, settings, progressOf(Step::picture));
     throwIfInvalid();
     tell(Picture{job_, false, std::move(picture.image), picture.compileSeconds, picture.traceSeconds,
                  picture.readbackSeconds});
@@ -185,7 +183,7 @@ class Worker {
     // The picture is there; what follows is about it.
     if (job.goodHasScene && !job.goodWords.empty() && picture.traceSeconds < kShortTrace)
       compareTimes({.words = job.goodWords}, kernel);
-    const Visits visits = renderer_->countVisits(kernel, settings, progressOf(Step::counting), dispatching_);
+    const Visits visits = session_->countVisits(kernel, settings, progressOf(Step::counting));
     throwIfInvalid();
     tell(Counted{job_, visits.rays});
   }
@@ -195,8 +193,7 @@ class Worker {
     const Stopwatch watch;
     std::vector<double> before, after, ratios;
     const auto trace = [&](const Spirv& kernel, std::vector<double>& seconds) {
-      const Progress progress = progressOf(Step::timing);
-      seconds.push_back(renderer_->render(kernel, ready_.settings, progress, dispatching_).traceSeconds);
+      seconds.push_back(session_->render(kernel, ready_.settings, progressOf(Step::timing)).traceSeconds);
     };
     // An odd number has a median.
     while (ratios.size() < kFewestPairs || ratios.size() % 2 == 0 ||
@@ -214,10 +211,9 @@ class Worker {
   void findLoop(const Job& job) {
     const LoopProbe probe = probeLoops(job.sources);
     const Spirv kernel = compile(probe.sources);
-    Dispatching dispatching = dispatching_;
-    dispatching.budget = job.hung ? kLongProbeBudget : kProbeBudget;
+    const uint32_t budget = job.hung ? kLongProbeBudget : kProbeBudget;
     try {
-      renderer_->renderCoarse(kernel, ready_.settings, kCoarseStride, progressOf(Step::probe), dispatching);
+      session_->renderCoarse(kernel, ready_.settings, kCoarseStride, progressOf(Step::probe), budget);
     } catch (const PixelsMissing&) {
       // It tells of no loop.
     } catch (const LoopsCut& cut) {
@@ -280,7 +276,7 @@ class Worker {
   Channel& line_;
   const WatchPlan& plan_;
   Dispatching dispatching_;
-  std::unique_ptr<ShaderRenderer> renderer_;
+  std::unique_ptr<RenderSession> session_;
   SceneReady ready_;
   bool hasScene_ = false;  // on the device
   uint64_t job_ = 0;
