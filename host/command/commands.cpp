@@ -1,4 +1,4 @@
-// Each command is told as the way that data takes: load, round, build, pack, dispatch, read back, write.
+// Each command reads as its data flow: load, round, build, pack, dispatch, read back, write.
 #include "command/commands.h"
 
 #include <fmt/format.h>
@@ -31,7 +31,7 @@
 namespace turner {
 namespace {
 
-Scene loadAndTell(const RenderOptions& options) {
+Scene loadAndPrint(const RenderOptions& options) {
   const std::string path = findScene(options.scene);
   Scene scene = loadScene(path);
   if (!options.quiet) {
@@ -52,7 +52,7 @@ struct Rendered {
   Stats stats;
 };
 
-// What is told of a scene when its geometry has gone into the renderer.
+// Summary of a scene whose geometry has gone into the renderer.
 Scene withoutGeometry(const Scene& scene) {
   Scene rest;
   rest.name = scene.name;
@@ -148,7 +148,7 @@ Rendered renderWithReference(const Scene& scene, const RenderSettings& settings,
   return result;
 }
 
-void tellFigures(const Comparison& c, double threshold) {
+void printFigures(const Comparison& c, double threshold) {
   fmt::print("size         {} x {}\n", c.width, c.height);
   fmt::print("rmse         {:.3e}   relative {:.3e}\n", c.rmse, c.relRmse);
   fmt::print("mean error   {:.3e}   signed {:+.3e}\n", c.mae, c.meanSigned);
@@ -157,21 +157,21 @@ void tellFigures(const Comparison& c, double threshold) {
   fmt::print("nan, inf     {}, {}\n", c.nan, c.inf);
 }
 
-void tellDecomposition(const Decomposition& decomposition) {
+void printDecomposition(const Decomposition& decomposition) {
   fmt::print("{:<13}{:<11}{:<11}{:<11}{:<11}{:<11}{}\n", "", "rmse", "p50", "p99", "p99.9", "max", "signed");
-  const auto tell = [](const char* name, const Comparison& c) {
+  const auto print = [](const char* name, const Comparison& c) {
     fmt::print("{:<13}{:<11.3e}{:<11.3e}{:<11.3e}{:<11.3e}{:<11.3e}{:+.3e}\n", name, c.rmse, c.p50, c.p99, c.p999,
                c.max, c.meanSigned);
   };
   const SamplingError& sampling = decomposition.sampling;
-  tell("sampling", sampling.figures);
-  tell("arithmetic", decomposition.arithmetic);
-  tell("quantisation", decomposition.quantisation);
+  print("sampling", sampling.figures);
+  print("arithmetic", decomposition.arithmetic);
+  print("quantisation", decomposition.quantisation);
   fmt::print("own error    {:.3e} rms, of the {} samples that sampling is measured against{}\n", sampling.ownError,
              sampling.samples, sampling.converged ? "" : ": did not converge");
 }
 
-void tellEnvelope(const EnvelopeRule& rule) {
+void printEnvelope(const EnvelopeRule& rule) {
   fmt::print("envelope     {:.4f} % off by more than {:g}, {:.4f} % excused, {} pixels outside\n", 100 * rule.needed,
              kEnvelopeTolerance, 100 * rule.excused, rule.outside);
   fmt::print("the rest     99: {:.3e}   99.9: {:.3e}\n", rule.p99, rule.p999);
@@ -207,7 +207,7 @@ EnvelopeRule measureEnvelope(const Image& shader, const Image& reference, const 
 
 Compared compareScene(const CompareOptions& compare, RenderOptions options) {
   options.quiet |= compare.json;  // stdout belongs to the figures
-  const Scene scene = loadAndTell(options);
+  const Scene scene = loadAndPrint(options);
   const RenderSettings settings = settingsFor(scene, options);
   Compared result;
   SamplingError sampling;
@@ -245,13 +245,13 @@ int runRender(const RenderOptions& options) {
   }
   refuseRepeated(files);
 
-  Scene scene = loadAndTell(options);
+  Scene scene = loadAndPrint(options);
   refuseOverwriting(files, filesOf(findScene(options.scene), scene.sources));
   const RenderSettings settings = settingsFor(scene, options);
   const double loadSeconds = watch.lap();
   throwIfInterrupted();
 
-  const Scene told = withoutGeometry(scene);
+  const Scene summary = withoutGeometry(scene);
   const size_t spheres = scene.spheres.size(), triangles = scene.triangles.size();
   Rendered rendered = options.backend == Backend::shader
                           ? renderWithShader(std::move(scene), settings, options, !options.stats.empty())
@@ -259,8 +259,8 @@ int runRender(const RenderOptions& options) {
   throwIfInvalid();
   Stats& stats = rendered.stats;
   const Provenance provenance =
-      makeProvenance(told, settings, "--backend " + stats.backend + " --geometry " + stats.geometry, stats.device.name,
-                     stats.device.driver);
+      makeProvenance(summary, settings, "--backend " + stats.backend + " --geometry " + stats.geometry,
+                     stats.device.name, stats.device.driver);
   throwIfInterrupted();
   for (const std::string& output : outputs) {
     writePicture(output, rendered.image, provenance);
@@ -296,9 +296,9 @@ int runCompare(const CompareOptions& compare, const RenderOptions& render) {
   if (compare.json) {
     fmt::print("{}", comparisonJson(comparison, decomposition, envelope));
   } else if (!render.quiet) {
-    tellFigures(comparison, compare.threshold);
-    if (decomposition) tellDecomposition(*decomposition);
-    if (envelope) tellEnvelope(*envelope);
+    printFigures(comparison, compare.threshold);
+    if (decomposition) printDecomposition(*decomposition);
+    if (envelope) printEnvelope(*envelope);
   }
   if (!compare.errorImage.empty()) writeWholeFile(compare.errorImage, encodeExr(errorImage(a, b), {}));
   const std::vector<std::string> broken = brokenBounds(comparison, compare.bounds);

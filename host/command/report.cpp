@@ -215,7 +215,7 @@ Machine thisMachine(const ReportOptions& options, int repeats) {
   return machine;
 }
 
-void tellPlan(const Plan& plan, const Journal& journal, const std::string& output) {
+void printPlan(const Plan& plan, const Journal& journal, const std::string& output) {
   for (size_t i = 0; i < plan.sweeps.size(); ++i) {
     const SceneToSweep& sweep = plan.sweeps[i];
     fmt::print("scene: {} ({} x {} pixels, {} settings", sweep.path, sweep.whole.crop.width(),
@@ -230,7 +230,7 @@ void tellPlan(const Plan& plan, const Journal& journal, const std::string& outpu
 }
 
 // Shows how far the sweep is. The time left follows from the speed of each renderer so far.
-class SweepProgress : public Watcher {
+class SweepProgress : public SweepObserver {
  public:
   explicit SweepProgress(bool quiet) : line_(quiet) {}
 
@@ -303,7 +303,7 @@ void writePictures(const Plan& plan, const std::vector<SweptScene>& scenes, cons
                    const fs::path& folder) {
   for (size_t i = 0; i < scenes.size(); ++i) {
     const std::string& tag = plan.sweeps[i].tag;
-    for (const Point& point : scenes[i].points)
+    for (const SweepPoint& point : scenes[i].points)
       writeWholeFile((folder / (tag + point.name + ".exr")).string(),
                      readTextFile(journal.picturePath(tag + point.name)));
     writeWholeFile((folder / (tag + "converged.exr")).string(), encodeExr(scenes[i].converged.mean, {}));
@@ -331,7 +331,7 @@ int runReport(const ReportOptions& options) {
   std::vector<SweptScene> scenes;
   {
     Journal journal(folder.string());
-    if (!options.quiet) tellPlan(plan, journal, options.output);
+    if (!options.quiet) printPlan(plan, journal, options.output);
     try {
       scenes = measureAll(plan, journal, options.quiet);
     } catch (const Interrupted&) {
@@ -341,7 +341,7 @@ int runReport(const ReportOptions& options) {
     throwIfInvalid();
 
     const Machine machine = thisMachine(options, plan.repeats);
-    const PictureOf pictureOf = [&](size_t scene, const Point& point) {
+    const PictureOf pictureOf = [&](size_t scene, const SweepPoint& point) {
       return journal.picture(plan.sweeps[scene].tag + point.name);
     };
     writeWholeFile(json, reportJson(machine, scenes));

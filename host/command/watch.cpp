@@ -56,12 +56,12 @@ std::string joined(const std::vector<std::string>& words) {
   return text;
 }
 
-void tellDiagnoses(const std::vector<Diagnosis>& diagnoses) {
+void printDiagnoses(const std::vector<Diagnosis>& diagnoses) {
   for (const Diagnosis& diagnosis : diagnoses) fmt::print(stderr, "{}\n", gccText(diagnosis));
   std::fflush(stderr);
 }
 
-// What another process reads has to come at once; and what cannot be told need not be watched.
+// What another process reads has to come at once; and without a reader there is nothing to watch for.
 void flush() {
   if (std::fflush(stdout) != 0) throw RunError("cannot write to standard output");
 }
@@ -69,50 +69,50 @@ void flush() {
 class TextListener : public WatchListener {
  public:
   TextListener(const WatchPlan& plan, bool quiet) : plan_(plan), quiet_(quiet) {
-    say("watching {} and {}; Ctrl-C ends\n", plan.scene, plan.shaders + "/whitted.comp with its includes");
+    print("watching {} and {}; Ctrl-C ends\n", plan.scene, plan.shaders + "/whitted.comp with its includes");
   }
 
   void onScene(const SceneReady& scene) override {
-    say("scene: {} ({} spheres, {} triangles)\n", plan_.scene, scene.spheres, scene.triangles);
-    for (const std::string& note : scene.told.notes) say("note: {}\n", note);
-    if (std::exchange(toldDevice_, true)) return;
-    say("device: {} ({}, {}), fetching {}\n", scene.device, scene.deviceType, scene.driver, scene.access);
+    print("scene: {} ({} spheres, {} triangles)\n", plan_.scene, scene.spheres, scene.triangles);
+    for (const std::string& note : scene.summary.notes) print("note: {}\n", note);
+    if (std::exchange(printedDevice_, true)) return;
+    print("device: {} ({}, {}), fetching {}\n", scene.device, scene.deviceType, scene.driver, scene.access);
   }
   void onCoarse(int, double seconds) override { coarse_ = seconds; }
   void onPicture(int version, double seconds, const std::vector<std::string>& changed) override {
-    say("version {}{}: in {} after {:.2f} s{}\n", version, changed.empty() ? "" : ", " + joined(changed) + " changed",
-        joined(plan_.outputs), seconds, coarse_ ? fmt::format(" (coarse after {:.2f} s)", *coarse_) : "");
+    print("version {}{}: in {} after {:.2f} s{}\n", version, changed.empty() ? "" : ", " + joined(changed) + " changed",
+          joined(plan_.outputs), seconds, coarse_ ? fmt::format(" (coarse after {:.2f} s)", *coarse_) : "");
     coarse_.reset();
   }
-  void onVersion(const Consequences& consequences) override { say("{}", consequencesText(consequences)); }
+  void onVersion(const VersionReport& report) override { print("{}", versionReportText(report)); }
   void onReference(int version, const Comparison& comparison) override {
-    say("version {}:\n{}", version, referenceText(comparison));
+    print("version {}:\n{}", version, referenceText(comparison));
   }
   void onRefused(const Refusal& refusal) override {
     status_.reset();
     coarse_.reset();
-    tellDiagnoses(refusal.diagnoses);
+    printDiagnoses(refusal.diagnoses);
     if (refusal.lastGood)
-      say("version {}: refused after {:.2f} s; the picture stays that of version {}\n", refusal.version,
-          refusal.seconds, *refusal.lastGood);
+      print("version {}: refused after {:.2f} s; the picture stays that of version {}\n", refusal.version,
+            refusal.seconds, *refusal.lastGood);
     else
-      say("version {}: refused after {:.2f} s; there is no picture yet, waiting for a change\n", refusal.version,
-          refusal.seconds);
+      print("version {}: refused after {:.2f} s; there is no picture yet, waiting for a change\n", refusal.version,
+            refusal.seconds);
   }
   void onSuperseded(int version) override {
     coarse_.reset();
-    say("version {}: interrupted by a newer save\n", version);
+    print("version {}: interrupted by a newer save\n", version);
   }
   void onTrouble(int, const std::vector<Diagnosis>& diagnoses) override {
     status_.reset();
-    tellDiagnoses(diagnoses);
+    printDiagnoses(diagnoses);
   }
   void onStop(std::optional<int> version) override {
     status_.reset();
     if (version)
-      say("stopped; {} shows version {}\n", joined(plan_.outputs), *version);
+      print("stopped; {} shows version {}\n", joined(plan_.outputs), *version);
     else
-      say("stopped; there is no picture\n");
+      print("stopped; there is no picture\n");
   }
   void onProgress(int version, Step step, double share) override {
     if (!status_) status_ = std::make_unique<StatusLine>(quiet_);
@@ -121,7 +121,7 @@ class TextListener : public WatchListener {
 
  private:
   template <class... Values>
-  void say(fmt::format_string<const Values&...> format, const Values&... values) {
+  void print(fmt::format_string<const Values&...> format, const Values&... values) {
     status_.reset();
     if (quiet_) return;
     fmt::print(format, values...);
@@ -129,7 +129,7 @@ class TextListener : public WatchListener {
   }
 
   const WatchPlan& plan_;
-  bool quiet_, toldDevice_ = false;
+  bool quiet_, printedDevice_ = false;
   std::optional<double> coarse_;  // seconds until the version in work had a coarse picture
   std::unique_ptr<StatusLine> status_;
 };
@@ -137,7 +137,7 @@ class TextListener : public WatchListener {
 class JsonListener : public WatchListener {
  public:
   explicit JsonListener(const WatchPlan& plan) {
-    say("watching", [&](JsonWriter& json) {
+    print("watching", [&](JsonWriter& json) {
       json.put("scene", plan.scene);
       json.put("shaders", plan.shaders);
       json.array("outputs", [&] {
@@ -147,7 +147,7 @@ class JsonListener : public WatchListener {
   }
 
   void onScene(const SceneReady& scene) override {
-    say("scene", [&](JsonWriter& json) {
+    print("scene", [&](JsonWriter& json) {
       json.put("spheres", scene.spheres);
       json.put("triangles", scene.triangles);
       json.put("width", scene.settings.width);
@@ -158,34 +158,34 @@ class JsonListener : public WatchListener {
         json.put("type", scene.deviceType);
       });
       json.array("notes", [&] {
-        for (const std::string& note : scene.told.notes) json.put(note);
+        for (const std::string& note : scene.summary.notes) json.put(note);
       });
     });
   }
   void onCoarse(int version, double seconds) override {
-    say("coarse", [&](JsonWriter& json) {
+    print("coarse", [&](JsonWriter& json) {
       json.put("version", version);
       json.put("seconds", seconds);
     });
   }
   void onPicture(int version, double seconds, const std::vector<std::string>&) override {
-    say("picture", [&](JsonWriter& json) {
+    print("picture", [&](JsonWriter& json) {
       json.put("version", version);
       json.put("seconds", seconds);
     });
   }
-  void onVersion(const Consequences& consequences) override {
-    say("version", [&](JsonWriter& json) { putConsequences(json, consequences); });
+  void onVersion(const VersionReport& report) override {
+    print("version", [&](JsonWriter& json) { putVersionReport(json, report); });
   }
   void onReference(int version, const Comparison& comparison) override {
-    say("reference", [&](JsonWriter& json) {
+    print("reference", [&](JsonWriter& json) {
       json.put("version", version);
       putComparison(json, "to_reference", comparison);
     });
   }
   void onRefused(const Refusal& refusal) override {
-    tellDiagnoses(refusal.diagnoses);
-    say("refused", [&](JsonWriter& json) {
+    printDiagnoses(refusal.diagnoses);
+    print("refused", [&](JsonWriter& json) {
       json.put("version", refusal.version);
       json.put("last_good", refusal.lastGood);
       json.put("seconds", refusal.seconds);
@@ -195,23 +195,23 @@ class JsonListener : public WatchListener {
     });
   }
   void onSuperseded(int version) override {
-    say("superseded", [&](JsonWriter& json) { json.put("version", version); });
+    print("superseded", [&](JsonWriter& json) { json.put("version", version); });
   }
   void onTrouble(int version, const std::vector<Diagnosis>& diagnoses) override {
-    tellDiagnoses(diagnoses);
-    say("trouble", [&](JsonWriter& json) {
+    printDiagnoses(diagnoses);
+    print("trouble", [&](JsonWriter& json) {
       json.put("version", version);
       putDiagnoses(json, diagnoses);
     });
   }
   void onStop(std::optional<int> version) override {
-    say("stopped", [&](JsonWriter& json) { json.put("version", version); });
+    print("stopped", [&](JsonWriter& json) { json.put("version", version); });
   }
   void onProgress(int, Step, double) override {}
 
  private:
   template <class Fill>
-  static void say(const char* event, const Fill& fill) {
+  static void print(const char* event, const Fill& fill) {
     JsonWriter json;
     json.object([&] {
       json.put("event", event);

@@ -23,7 +23,7 @@ constexpr size_t kLeastPoints = 4;
 // Where an error is reached after more samples than a renderer takes, nobody wants to know when.
 constexpr double kMostSamples = double(kMaxSamples) * kMaxSamples;
 
-double samplesOf(const Point& point) {
+double samplesOf(const SweepPoint& point) {
   return double(point.setting.samples) * point.setting.samples;
 }
 
@@ -34,18 +34,18 @@ double crossingAt(double y, double x0, double y0, double x1, double y1) {
 }
 
 std::optional<Reach> reach(const SweptScene& scene, const Curve& curve, double target) {
-  const auto at = [&](size_t i) -> const Point& { return scene.points[curve.points[i]]; };
+  const auto at = [&](size_t i) -> const SweepPoint& { return scene.points[curve.points[i]]; };
   // A picture with less samples than one does not exist: the first point may be better than what was asked for.
   if (at(0).rmse <= target) return Reach{samplesOf(at(0)), at(0).medianSeconds(), false};
   for (size_t i = 1; i < curve.points.size(); ++i) {
-    const Point &a = at(i - 1), &b = at(i);
+    const SweepPoint &a = at(i - 1), &b = at(i);
     if (b.rmse > target) continue;
     const auto along = [&](double xa, double xb) { return crossingAt(target, xa, a.rmse, xb, b.rmse); };
     if (b.rmse <= 0) return Reach{samplesOf(b), b.medianSeconds(), false};
     return Reach{along(samplesOf(a), samplesOf(b)), along(a.medianSeconds(), b.medianSeconds()), false};
   }
   if (!curve.slope || *curve.slope > kLeastSlope || curve.points.size() < kLeastPoints) return std::nullopt;
-  const Point& last = at(curve.points.size() - 1);
+  const SweepPoint& last = at(curve.points.size() - 1);
   const double factor = std::pow(target / last.rmse, 1 / *curve.slope);
   if (factor > kFarthest || samplesOf(last) * factor > kMostSamples) return std::nullopt;
   return Reach{samplesOf(last) * factor, last.medianSeconds() * factor, true};
@@ -76,7 +76,7 @@ std::string frontInWords(const SweptScene& scene) {
   std::string text;
   double rmse = HUGE_VAL;
   for (const size_t i : paretoFront(scene)) {
-    const Point& point = scene.points[i];
+    const SweepPoint& point = scene.points[i];
     if (point.rmse > (1 - kAlike) * rmse) continue;
     rmse = point.rmse;
     text += fmt::format("{}{} (RMSE {:.2g}) by {}", text.empty() ? "What time buys: " : "; ",
@@ -88,12 +88,12 @@ std::string frontInWords(const SweptScene& scene) {
 // The fastest setting that comes down to an error, and those that are as fast; where none does, the curve that would.
 void addTargets(const SweptScene& scene, const std::vector<Curve>& curves, std::vector<std::string>& sentences) {
   for (size_t t = 0; t < std::size(kTargets); ++t) {
-    const Point* best = nullptr;
-    for (const Point& point : scene.points)
+    const SweepPoint* best = nullptr;
+    for (const SweepPoint& point : scene.points)
       if (point.rmse <= kTargets[t] && (!best || point.medianSeconds() < best->medianSeconds())) best = &point;
     if (best) {
       std::string others;
-      for (const Point& point : scene.points)
+      for (const SweepPoint& point : scene.points)
         if (&point != best && point.rmse <= kTargets[t] && point.medianSeconds() * (1 - kAlike) < best->medianSeconds())
           others += (others.empty() ? "; within a tenth of that: " : "; ") + pointInWords(scene, point);
       sentences.push_back(fmt::format("The first setting below an RMSE of {:g} is {}: {}, RMSE {:.2g}{}.", kTargets[t],
@@ -113,7 +113,7 @@ void addTargets(const SweptScene& scene, const std::vector<Curve>& curves, std::
   }
 }
 
-std::string gridInWords(const Point& point) {
+std::string gridInWords(const SweepPoint& point) {
   return fmt::format("{}x{}", point.setting.samples, point.setting.samples);
 }
 
@@ -167,9 +167,9 @@ void addPairs(const SweptScene& scene, const std::vector<Curve>& curves, std::ve
 // Which cut-offs are cheap: those that lose at most half as much as sampling does, the furthest of depth and of weight.
 void addCutOffs(const SweptScene& scene, std::vector<std::string>& sentences) {
   for (const bool depths : {true, false}) {
-    const Point* best = nullptr;
+    const SweepPoint* best = nullptr;
     bool any = false;
-    for (const Point& point : scene.points) {
+    for (const SweepPoint& point : scene.points) {
       const bool isDepth = point.setting.depth != scene.whole.depth, isWeight = point.setting.minWeight > 0;
       if (point.renderer != 0 || !(depths ? isDepth : isWeight)) continue;
       any = true;
@@ -199,7 +199,7 @@ void addArithmetic(const SweptScene& scene, std::vector<std::string>& sentences)
   for (size_t renderer = 0; renderer + 1 < scene.renderers.size(); ++renderer) {
     double rmse = 0, bias = 0, bad = 0;
     uint64_t notFinite = 0;
-    for (const Point& point : scene.points) {
+    for (const SweepPoint& point : scene.points) {
       if (point.renderer != renderer) continue;
       const Comparison& arithmetic = point.arithmetic;
       rmse = std::max(rmse, arithmetic.rmse);
@@ -256,7 +256,7 @@ std::vector<Curve> curvesOf(const SweptScene& scene) {
       Curve curve{renderer, sampler, {}, {}, {}};
       std::vector<double> samples, errors;
       for (size_t i = 0; i < scene.points.size(); ++i) {
-        const Point& point = scene.points[i];
+        const SweepPoint& point = scene.points[i];
         if (point.renderer != renderer || point.setting.sampler != sampler) continue;
         if (!std::isfinite(point.rmse)) continue;
         if (point.setting != uncut(point.setting, scene.whole)) continue;
@@ -291,17 +291,18 @@ std::vector<bool> isOnFront(const SweptScene& scene) {
   return found;
 }
 
-const Point& uncutPoint(const SweptScene& scene, const Point& point) {
+const SweepPoint& uncutPoint(const SweptScene& scene, const SweepPoint& point) {
   const Setting whole = uncut(point.setting, scene.whole);
-  return *std::find_if(scene.points.begin(), scene.points.end(),
-                       [&](const Point& other) { return other.renderer == point.renderer && other.setting == whole; });
+  return *std::find_if(scene.points.begin(), scene.points.end(), [&](const SweepPoint& other) {
+    return other.renderer == point.renderer && other.setting == whole;
+  });
 }
 
 std::vector<Lead> leadsOf(const SweptScene& scene, const Curve& first, const Curve& second, Figure figure) {
   std::vector<Lead> leads;
   bool goesOn = false;  // whether the last lead reached the point before
   for (const auto& [i, j] : sameSamples(scene, first, second)) {
-    const Point &a = scene.points[i], &b = scene.points[j];
+    const SweepPoint &a = scene.points[i], &b = scene.points[j];
     const double x = figure == Figure::rmse ? a.rmse : a.medianSeconds();
     const double y = figure == Figure::rmse ? b.rmse : b.medianSeconds();
     const bool ofFirst = x < y;
@@ -323,7 +324,7 @@ std::string timeInWords(double seconds) {
   return seconds < 1 ? fmt::format("{:.3g} ms", 1e3 * seconds) : fmt::format("{:.3g} s", seconds);
 }
 
-std::string pointInWords(const SweptScene& scene, const Point& point) {
+std::string pointInWords(const SweptScene& scene, const SweepPoint& point) {
   return fmt::format("{}, {}", scene.renderers[point.renderer].name, settingInWords(scene, point.setting));
 }
 
@@ -343,7 +344,7 @@ std::vector<std::string> findings(const SweptScene& scene) {
   return sentences;
 }
 
-std::string renderCommand(const SweptScene& scene, const Point& point, const std::string& shaders) {
+std::string renderCommand(const SweptScene& scene, const SweepPoint& point, const std::string& shaders) {
   const RenderSettings& whole = scene.whole;
   const Setting& setting = point.setting;
   const Window& crop = whole.crop;

@@ -40,7 +40,7 @@ std::vector<size_t> paretoFront(const SweptScene& scene);
 std::vector<bool> isOnFront(const SweptScene& scene);
 
 // The point with the same samples on the same renderer from which nothing is cut off: every sweep has it.
-const Point& uncutPoint(const SweptScene& scene, const Point& point);
+const SweepPoint& uncutPoint(const SweptScene& scene, const SweepPoint& point);
 
 // Two curves at the same samples: where one has the smaller figure, by more than a tenth, without a break.
 enum class Figure { rmse, seconds };
@@ -51,7 +51,7 @@ struct Lead {
 std::vector<Lead> leadsOf(const SweptScene& scene, const Curve& first, const Curve& second, Figure figure);
 
 // "llvmpipe, sobol 4x4, depth 3": a point in words.
-std::string pointInWords(const SweptScene& scene, const Point& point);
+std::string pointInWords(const SweptScene& scene, const SweepPoint& point);
 
 // "12.3 ms", "4.56 s".
 std::string timeInWords(double seconds);
@@ -63,6 +63,6 @@ std::vector<std::string> findings(const SweptScene& scene);
 std::string shellWord(const std::string& text);
 
 // The render command that makes the point's picture of seed 0; the shaders' folder if it is not Turner's own.
-std::string renderCommand(const SweptScene& scene, const Point& point, const std::string& shaders);
+std::string renderCommand(const SweptScene& scene, const SweepPoint& point, const std::string& shaders);
 
 }  // namespace turner::report

@@ -15,7 +15,7 @@
 namespace turner::report {
 
 // A setting on a renderer, measured. Errors are of the picture with seed 0 but for rmse.
-struct Point {
+struct SweepPoint {
   size_t renderer = 0;  // in SweptScene::renderers
   Setting setting;
   std::string name;  // "llvmpipe-sobol-4x4"
@@ -45,14 +45,14 @@ struct ConvergedBy {
 };
 
 struct SweptScene {
-  Scene told;        // without its geometry
+  Scene summary;     // without its geometry
   std::string path;  // as the render command takes it
   std::string stem;  // of the file's name
   size_t spheres = 0, triangles = 0;
   RenderSettings whole;
   std::vector<RendererInfo> renderers;  // the devices, then the reference
   std::vector<std::string> failures;    // of devices that could not render the scene, in words
-  std::vector<Point> points;
+  std::vector<SweepPoint> points;
   Converged converged;
   ConvergedBy convergedBy;
 };
@@ -69,21 +69,21 @@ struct SceneToSweep {
 };
 
 // Follows a sweep while it runs.
-class Watcher {
+class SweepObserver {
  public:
-  virtual ~Watcher() = default;
+  virtual ~SweepObserver() = default;
   // There are so many samples more, or less, for a renderer to do than was known.
   virtual void expect(const std::string& renderer, double samples) = 0;
   // So many of them are done; `what` says of what. Called often. May throw, to end the sweep.
   virtual void done(const std::string& renderer, double samples, const std::string& what) = 0;
 };
 
-// Tells the watcher what a scene's sweep takes, as far as it is not in the journal.
+// Reports to the observer what a scene's sweep takes, as far as it is not in the journal.
 void expectSweep(const SceneToSweep& sweep, const std::vector<RendererInfo>& renderers, const Journal& journal,
-                 Watcher& watcher);
+                 SweepObserver& observer);
 
 // `renderers` are the devices' and, last, the reference's. Measures what the journal does not have.
 SweptScene measure(const SceneToSweep& sweep, std::vector<std::unique_ptr<Renderer>> renderers, Journal& journal,
-                   Watcher& watcher);
+                   SweepObserver& observer);
 
 }  // namespace turner::report

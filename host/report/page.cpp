@@ -46,7 +46,7 @@ constexpr std::array<std::array<double, 3>, 5> kColours = {
     {{0x44, 0x01, 0x54}, {0x3b, 0x52, 0x8b}, {0x21, 0x91, 0x8c}, {0x5e, 0xc9, 0x62}, {0xfd, 0xe7, 0x25}}};
 constexpr const char* kColourBar = "#440154, #3b528b, #21918c, #5ec962, #fde725";
 
-std::string labelOf(const SweptScene& scene, const Point& point) {
+std::string labelOf(const SweptScene& scene, const SweepPoint& point) {
   return fmt::format(
       "{}\n{}, RMSE {:.3g}\nof that sampling {:.2g}, cut off {:.2g}, arithmetic {:.2g}, quantisation {:.2g}",
       pointInWords(scene, point), timeInWords(point.medianSeconds()), point.rmse, point.sampling.rmse,
@@ -78,14 +78,14 @@ Series cutSeries(const SweptScene& scene, size_t renderer, bool depths) {
   return series;
 }
 
-Mark markOf(const SweptScene& scene, const Point& point, double x, bool onFront) {
+DataPoint dataPointOf(const SweptScene& scene, const SweepPoint& point, double x, bool onFront) {
   const Setting& setting = point.setting;
-  Mark mark{x, point.rmse, labelOf(scene, point), point.name, "", onFront};
-  if (!onFront) return mark;
-  mark.note = fmt::format("{}x{}", setting.samples, setting.samples);
-  if (setting.depth != scene.whole.depth) mark.note = fmt::format("depth {}", setting.depth);
-  if (setting.minWeight > 0) mark.note = fmt::format("weight {}", setting.minWeight);
-  return mark;
+  DataPoint dataPoint{x, point.rmse, labelOf(scene, point), point.name, "", onFront};
+  if (!onFront) return dataPoint;
+  dataPoint.note = fmt::format("{}x{}", setting.samples, setting.samples);
+  if (setting.depth != scene.whole.depth) dataPoint.note = fmt::format("depth {}", setting.depth);
+  if (setting.minWeight > 0) dataPoint.note = fmt::format("weight {}", setting.minWeight);
+  return dataPoint;
 }
 
 std::string errorOverTime(const SweptScene& scene) {
@@ -96,21 +96,21 @@ std::string errorOverTime(const SweptScene& scene) {
   for (const Curve& curve : curvesOf(scene)) {
     Series series = seriesOf(scene, curve);
     for (const size_t i : curve.points)
-      series.marks.push_back(markOf(scene, scene.points[i], scene.points[i].medianSeconds(), onFront[i]));
+      series.points.push_back(dataPointOf(scene, scene.points[i], scene.points[i].medianSeconds(), onFront[i]));
     chart.series.push_back(std::move(series));
   }
   for (const bool depths : {true, false})
     for (size_t renderer = 0; renderer < scene.renderers.size(); ++renderer) {
       Series series = cutSeries(scene, renderer, depths);
       for (size_t i = 0; i < scene.points.size(); ++i) {
-        const Point& point = scene.points[i];
+        const SweepPoint& point = scene.points[i];
         const bool isDepth = point.setting.depth != scene.whole.depth, isWeight = point.setting.minWeight > 0;
         if (point.renderer == renderer && (depths ? isDepth : isWeight))
-          series.marks.push_back(markOf(scene, point, point.medianSeconds(), onFront[i]));
+          series.points.push_back(dataPointOf(scene, point, point.medianSeconds(), onFront[i]));
       }
-      if (!series.marks.empty()) chart.series.push_back(std::move(series));
+      if (!series.points.empty()) chart.series.push_back(std::move(series));
     }
-  for (const size_t i : front) chart.stairs.emplace_back(scene.points[i].medianSeconds(), scene.points[i].rmse);
+  for (const size_t i : front) chart.paretoSteps.emplace_back(scene.points[i].medianSeconds(), scene.points[i].rmse);
   return svgOf(chart);
 }
 
@@ -122,8 +122,8 @@ std::string errorOverSamples(const SweptScene& scene) {
     if (curve.renderer != curves.front().renderer) continue;
     Series series = seriesOf(scene, curve);
     for (const size_t i : curve.points) {
-      const Point& point = scene.points[i];
-      series.marks.push_back(markOf(scene, point, double(point.setting.samples) * point.setting.samples, false));
+      const SweepPoint& point = scene.points[i];
+      series.points.push_back(dataPointOf(scene, point, double(point.setting.samples) * point.setting.samples, false));
     }
     chart.series.push_back(std::move(series));
   }
@@ -221,7 +221,7 @@ class Page {
         "value='converged'>the converged picture</option></select></label></div>\n");
     std::string list, first;
     for (const size_t i : chosen) {
-      const Point& point = scene.points[i];
+      const SweepPoint& point = scene.points[i];
       const Image image = pictureOf_(number, point);
       const std::string picture = dataUri(image), error = dataUri(colouredError(image, scene.converged.mean));
       list += fmt::format("{}\"{}\":{{\"picture\":\"{}\",\"error\":\"{}\"}}", list.empty() ? "" : ",", point.name,
@@ -242,7 +242,7 @@ class Page {
 
   void cutOffs(const SweptScene& scene) {
     const bool any = std::any_of(scene.points.begin(), scene.points.end(),
-                                 [&](const Point& p) { return p.setting != uncut(p.setting, scene.whole); });
+                                 [&](const SweepPoint& p) { return p.setting != uncut(p.setting, scene.whole); });
     if (!any) {
       add("<p class='note'>--depth and --min-weight change nothing here: no material reflects or transmits, or the "
           "depth is 1.</p>\n");
@@ -253,7 +253,7 @@ class Page {
         "is missing.</p>\n<div class='wide'><table class='cuts'><thead><tr><th>setting</th><th>time</th><th>share of "
         "the time</th><th>rms cut off</th><th>largest</th><th>bias</th></tr></thead><tbody>\n",
         scene.whole.depth);
-    for (const Point& point : scene.points) {
+    for (const SweepPoint& point : scene.points) {
       if (point.setting == uncut(point.setting, scene.whole)) continue;
       add("<tr><td>{}</td><td>{}</td><td>{:.2f}</td><td>{:.2e}</td><td>{:.2e}</td><td>{:+.2e}</td></tr>\n",
           escaped(pointInWords(scene, point)), timeInWords(point.medianSeconds()),
@@ -296,7 +296,7 @@ class Page {
     add("</tr></thead><tbody>\n");
     const std::vector<bool> onFront = isOnFront(scene);
     for (size_t i = 0; i < scene.points.size(); ++i) {
-      const Point& p = scene.points[i];
+      const SweepPoint& p = scene.points[i];
       add("<tr class='{}' data-point='{}'><td>{}</td>", onFront[i] ? "front" : "", escaped(p.name),
           escaped(pointInWords(scene, p)));
       for (const double seconds : {p.medianSeconds(), p.fastest(), p.slowest()})

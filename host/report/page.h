@@ -10,7 +10,7 @@
 namespace turner::report {
 
 // The picture of a point, of a scene by its number.
-using PictureOf = std::function<Image(size_t scene, const Point&)>;
+using PictureOf = std::function<Image(size_t scene, const SweepPoint&)>;
 
 std::string reportPage(const Machine& machine, const std::vector<SweptScene>& scenes, const PictureOf& pictureOf);
 

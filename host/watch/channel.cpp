@@ -64,7 +64,7 @@ void Channel::sendRest() {
 }
 
 // Reads until there is nothing for the moment, or, where it waits, until a message is whole.
-void Channel::takeWhatIsThere(bool wait) {
+void Channel::readArrivals(bool wait) {
   while (!gone_) {
     const size_t before = arrived_.size();
     arrived_.resize(before + kPiece);
@@ -91,7 +91,7 @@ void Channel::takeWhatIsThere(bool wait) {
 }
 
 std::optional<Message> Channel::receive() {
-  takeWhatIsThere(false);
+  readArrivals(false);
   if (messages_.empty()) return std::nullopt;
   Message message = std::move(messages_.front());
   messages_.pop_front();
@@ -104,7 +104,7 @@ bool Channel::hasArrivals() const {
 }
 
 std::optional<Message> Channel::wait() {
-  if (messages_.empty()) takeWhatIsThere(true);
+  if (messages_.empty()) readArrivals(true);
   return receive();
 }
 

@@ -40,7 +40,7 @@ class Channel {
   int descriptor() const { return socket_.number; }
 
  private:
-  void takeWhatIsThere(bool wait);
+  void readArrivals(bool wait);
 
   UniqueFd socket_;
   std::string rest_;     // posted and not yet sent

@@ -236,7 +236,7 @@ std::vector<Diagnosis> readDiagnoses(const std::string& text, const std::vector<
     const size_t end = std::min(rest.find('\n'), rest.size());
     if (end > 0) {
       Diagnosis diagnosis = readLine(rest.substr(0, end));
-      // What is wrong with a source as a whole is told at its beginning, where an editor can go.
+      // A fault of a whole source is placed at its beginning, where an editor can go.
       const bool isSource = std::any_of(sources.begin(), sources.end(), [&](const ShaderSource& source) {
         return source.text && source.path == diagnosis.file;
       });

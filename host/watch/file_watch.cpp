@@ -40,7 +40,7 @@ constexpr uint32_t kFolderEntries =
 // Folders, by paths free of links, and what to watch for in them.
 using Folders = std::map<std::string, uint32_t>;
 
-FileSignature lookAt(const std::string& path) {
+FileSignature signatureOf(const std::string& path) {
   FileSignature seen;
   struct stat found {};
   if (::stat(path.c_str(), &found) != 0) {
@@ -109,7 +109,7 @@ std::string walkTo(const std::string& file, Folders& folders) {
     struct stat found {};
     if (::lstat(path.c_str(), &found) != 0) {
       // What is missing may be made here. Watch one folder up too: of a removed folder in which a shell still stands
-      // no IN_DELETE_SELF comes, and a folder closed to us is opened by a change that its parent tells.
+      // no IN_DELETE_SELF comes, and a folder closed to us is opened by a change that its parent reports.
       folders[folder] |= kFolderEntries;
       folders[parentOf(folder)] |= kFolderEntries;
       return "";
@@ -148,9 +148,9 @@ void FileWatch::follow(const std::vector<std::string>& files) {
   for (const std::string& file : wanted) {
     if (files_.try_emplace(file).second) added.push_back(file);
   }
-  // Watch first, look then: a change in between is told.
+  // Watch first, look then: a change in between is reported.
   renewWatches();
-  for (const std::string& file : added) files_[file].signature = lookAt(file);
+  for (const std::string& file : added) files_[file].signature = signatureOf(file);
 }
 
 std::vector<std::string> FileWatch::takeChanges() {
@@ -158,7 +158,7 @@ std::vector<std::string> FileWatch::takeChanges() {
   renewWatches();
   std::vector<std::string> changed;
   for (auto& [file, followed] : files_) {
-    const FileSignature now = lookAt(file);
+    const FileSignature now = signatureOf(file);
     if (now == followed.signature && !followed.closedWrite) continue;
     followed.signature = now;
     followed.closedWrite = false;

@@ -10,7 +10,7 @@
 
 namespace turner::watch {
 
-// What stat() says of a file: two versions of a file differ in it, but for rewrites within one tick of the clock.
+// What stat() says of a file: differs between two versions of a file unless both were written within one clock tick.
 struct FileSignature {
   int error = 0;  // why there is none, 0 where there is one
   uint64_t device = 0, inode = 0;
@@ -48,7 +48,7 @@ class FileWatch {
   struct Followed {
     FileSignature signature;
     std::string target;        // where its path leads, free of links; empty where there is nothing
-    bool closedWrite = false;  // since it was last told
+    bool closedWrite = false;  // since it was last reported
   };
 
   void drainEvents();

@@ -1,5 +1,5 @@
 // Which loop of a kernel never ends: a copy of its sources that finds out. Every loop has a counter there; once one has
-// made too many turns, all loops of that invocation end, and it tells the loop's number where the host looks for cut
+// made too many turns, all loops of that invocation end, and it reports the loop's number where the host looks for cut
 // loops.
 #pragma once
 

@@ -1,5 +1,5 @@
-// What the watcher and its worker tell each other: one job goes down the line, what comes of it comes up, in the order
-// of the structs below. Every answer names its job, so that one of a job that was given up is known.
+// Messages between the watcher and its worker: one job goes down the line, its answers come up in the order of the
+// structs below. Every answer names its job, so that one of a cancelled job is recognised.
 #pragma once
 
 #include <cstdint>
@@ -64,11 +64,11 @@ struct Advance {
   double share = 0;
 };
 
-// What is told of a scene that is on the device.
+// Summary of a scene that is on the device.
 struct SceneReady {
   static constexpr uint32_t kind = 4;
   uint64_t job = 0, sceneEpoch = 0;
-  Scene told;  // name, camera, sources and notes
+  Scene summary;  // name, camera, sources and notes
   RenderSettings settings;
   uint64_t spheres = 0, triangles = 0;
   std::string device, driver, deviceType, access;
@@ -76,12 +76,12 @@ struct SceneReady {
 
   template <class Bytes>
   void fields(Bytes& b) {
-    uint64_t files = told.sources.size();
-    b(job, sceneEpoch, told.name, told.camera, told.notes, files, settings, spheres, triangles, device, driver,
+    uint64_t files = summary.sources.size();
+    b(job, sceneEpoch, summary.name, summary.camera, summary.notes, files, settings, spheres, triangles, device, driver,
       deviceType, access);
     b(openSeconds, loadSeconds, buildSeconds, uploadSeconds);
-    told.sources.resize(files);
-    for (SourceFile& file : told.sources) b(file.path, file.sha256);
+    summary.sources.resize(files);
+    for (SourceFile& file : summary.sources) b(file.path, file.sha256);
   }
 };
 

@@ -34,7 +34,7 @@ const Image* ReferenceProcess::image(uint64_t sceneEpoch) const {
   return epoch_ == sceneEpoch && image_ ? &*image_ : nullptr;
 }
 
-bool ReferenceProcess::hear(std::string& fault) {
+bool ReferenceProcess::poll(std::string& fault) {
   if (!process_) return false;
   while (const std::optional<Message> message = process_->line().receive()) {
     if (message->kind == Picture::kind) image_ = decode<Picture>(*message).image;

@@ -25,7 +25,7 @@ class ReferenceProcess {
   // Of the scene of this epoch, if it is done.
   const Image* image(uint64_t sceneEpoch) const;
   // Whether the picture has come, or why there is none; once.
-  bool hear(std::string& fault);
+  bool poll(std::string& fault);
 
   // For poll(): -1 where there is nothing to wait for.
   int descriptor() const { return process_ && !paused_ ? process_->line().descriptor() : -1; }

@@ -81,7 +81,7 @@ void RendererProcess::end() {
   busy_ = false;
 }
 
-std::optional<Message> RendererProcess::hear(double now) {
+std::optional<Message> RendererProcess::poll(double now) {
   if (!process_) return std::nullopt;
   process_->line().sendRest();
   while (std::optional<Message> message = process_->line().receive()) {

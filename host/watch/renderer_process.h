@@ -30,7 +30,7 @@ class RendererProcess {
   double share() const { return share_; }  // of the step
 
   // The next answer to the job, if it has come. After the last one, Finished or Refused, it is not busy.
-  std::optional<Message> hear(double now);
+  std::optional<Message> poll(double now);
   // Where a job ended without an answer, because the process died, or was ended here since it hung: what happened.
   std::optional<Refused> takeLoss(double now);
 

@@ -31,9 +31,10 @@ namespace {
 
 // Seconds. A coarse picture is not worth showing where the full one follows so soon after the quiet time.
 constexpr double kSoon = 0.1;
-// Where saves come faster than pictures for kLongest, each version gets this long before the next save interrupts it.
+// If no picture has appeared for kLongest because saves keep interrupting, a version may run this long before it is
+// interrupted.
 constexpr double kLifetime = 3;
-// The loop has slept so much longer than it wished: the program was stopped.
+// poll() overslept by more than this: the process was suspended (SIGSTOP).
 constexpr double kOverslept = 0.5;
 
 // A version whose picture is good.
@@ -44,7 +45,7 @@ struct Good {
   std::vector<uint32_t> words;
   SceneReady scene;
   Image image;
-  Consequences told;
+  VersionReport report;
 };
 
 // A version on its way.
@@ -58,7 +59,7 @@ struct Attempt {
   std::optional<double> pictureCameAt;  // the first, coarse one
   std::optional<Refused> refused;       // and its endless loop is being looked for
   std::optional<SourceLocation> loop;
-  Consequences told;
+  VersionReport report;
   bool isPastCoarse = false;  // the next picture is the full one
   bool hasPicture = false;    // it is the last good version now
 };
@@ -67,9 +68,9 @@ bool haveSameSize(const Image& a, const Image& b) {
   return a.window == b.window && a.width == b.width && a.height == b.height;
 }
 
-std::string figuresJson(const Consequences& told) {
+std::string versionReportJson(const VersionReport& report) {
   JsonWriter json;
-  json.object([&] { putConsequences(json, told); });
+  json.object([&] { putVersionReport(json, report); });
   return json.text();
 }
 
@@ -81,9 +82,9 @@ std::string cannotRead(const std::string& path) try {
   return error.what();
 }
 
-class Watching {
+class Watcher {
  public:
-  Watching(const WatchPlan& plan, WatchListener& listener)
+  Watcher(const WatchPlan& plan, WatchListener& listener)
       : plan_(plan), listener_(listener), files_(plan.scene, plan.shaders), renderer_(plan), reference_(plan) {
     if (!plan.keep.empty()) lastVersion_ = lastKeptVersion(plan.keep);
     begin();
@@ -92,12 +93,12 @@ class Watching {
   [[noreturn]] void run() try {
     for (;;) {
       plan_.throwIfInterrupted();
-      files_.look(now());
+      files_.check(now());
       if (files_.isDue(now())) takeUpChange();
-      hearRenderer();
-      if (attempt_ && isQuiet()) lookAtAnswers();
-      careForProcesses();
-      rest();
+      pollRenderer();
+      if (attempt_ && isQuiet()) applyAnswers();
+      superviseProcesses();
+      waitForEvents();
     }
   } catch (const Interrupted&) {
     renderer_.end();
@@ -150,12 +151,12 @@ class Watching {
     attempt.sources = files_.takeUp();
     attempt.sceneEpoch = files_.sceneEpoch();
     mayPrepare_ = true;
-    Consequences& told = attempt.told;
-    told.version = attempt.version;
+    VersionReport& report = attempt.report;
+    report.version = attempt.version;
     if (good_) {
-      told.lastGood = good_->version;
-      told.changed = changedFiles(good_->sources, attempt.sources);
-      told.sceneChanged = good_->sceneEpoch != attempt.sceneEpoch;
+      report.lastGood = good_->version;
+      report.changed = changedFiles(good_->sources, attempt.sources);
+      report.sceneChanged = good_->sceneEpoch != attempt.sceneEpoch;
     }
     // A kernel that cannot be read never comes to the worker.
     if (!attempt.sources[0].text)
@@ -189,11 +190,11 @@ class Watching {
 
   // --- processes ------------------------------------------------------------------------------------------------
 
-  void hearRenderer() {
-    while (std::optional<Message> message = renderer_.hear(now())) {
+  void pollRenderer() {
+    while (std::optional<Message> message = renderer_.poll(now())) {
       if (message->kind == SceneReady::kind) {
         const SceneReady scene = decode<SceneReady>(*message);
-        files_.sceneWasLoaded(scene.sceneEpoch, scene.told.sources);
+        files_.sceneWasLoaded(scene.sceneEpoch, scene.summary.sources);
       }
       // Without an attempt it is of one that was given up, or of a worker that prepares itself.
       if (!attempt_ || renderer_.isPreparing()) continue;
@@ -203,7 +204,7 @@ class Watching {
     if (attempt_) listener_.onProgress(attempt_->version, renderer_.step(), renderer_.share());
   }
 
-  void careForProcesses() {
+  void superviseProcesses() {
     if (const std::optional<Refused> loss = renderer_.takeLoss(now())) answer(*loss);
     if (isIdle()) {
       if (std::exchange(hadAttempt_, false)) {
@@ -214,53 +215,53 @@ class Watching {
       if (!renderer_.isRunning() && std::exchange(mayPrepare_, false)) give({.purpose = Purpose::prepare});
     }
     hadAttempt_ |= attempt_.has_value();
-    careForReference();
+    superviseReference();
   }
 
   bool isIdle() const { return !attempt_ && !renderer_.isBusy() && !files_.hasChange(); }
 
   // It works while nothing else does.
-  void careForReference() {
+  void superviseReference() {
     if (!isIdle() || !good_ || good_->sceneEpoch != files_.sceneEpoch()) return reference_.pause();
     std::string fault;
     try {
       reference_.work(good_->sceneEpoch);
-      if (!reference_.hear(fault)) return;
+      if (!reference_.poll(fault)) return;
     } catch (const RunError& error) {
       fault = error.what();
     }
     if (!fault.empty()) return trouble(good_->version, "no reference: " + fault);
-    compareWithReference(good_->told);
-    if (!good_->told.toReference) return;
-    if (!good_->told.kept.empty()) keepFiguresAgain();
-    listener_.onReference(good_->version, *good_->told.toReference);
+    compareWithReference(good_->report);
+    if (!good_->report.toReference) return;
+    if (!good_->report.kept.empty()) updateKeptFigures();
+    listener_.onReference(good_->version, *good_->report.toReference);
   }
 
-  void keepFiguresAgain() try {
-    keepFigures(good_->told.kept, figuresJson(good_->told));
+  void updateKeptFigures() try {
+    keepFigures(good_->report.kept, versionReportJson(good_->report));
   } catch (const RunError& error) {
     trouble(good_->version, error.what());
   }
 
-  void compareWithReference(Consequences& told) const {
+  void compareWithReference(VersionReport& report) const {
     const Image* image = reference_.image(good_->sceneEpoch);
-    if (image && haveSameSize(*image, good_->image)) told.toReference = compareImages(good_->image, *image, kChanged);
+    if (image && haveSameSize(*image, good_->image)) report.toReference = compareImages(good_->image, *image, kChanged);
   }
 
   // --- answers --------------------------------------------------------------------------------------------------
 
-  void lookAtAnswers() {
+  void applyAnswers() {
     while (attempt_ && !attempt_->answers.empty() && !awaitsFullPicture()) {
       const Message message = takeAnswer();
       switch (message.kind) {
         case SceneReady::kind:
-          look(decode<SceneReady>(message));
+          apply(decode<SceneReady>(message));
           break;
         case Compiled::kind:
-          look(decode<Compiled>(message));
+          apply(decode<Compiled>(message));
           break;
         case Picture::kind:
-          look(decode<Picture>(message));
+          apply(decode<Picture>(message));
           break;
         case LoopFound::kind: {
           const LoopFound found = decode<LoopFound>(message);
@@ -274,10 +275,10 @@ class Watching {
             conclude();
           break;
         case Refused::kind:
-          look(decode<Refused>(message));
+          apply(decode<Refused>(message));
           break;
         default:
-          lookAtFigures(message);
+          applyFigures(message);
       }
     }
   }
@@ -298,96 +299,96 @@ class Watching {
     const auto first = attempt_->answers.begin();
     const double soon = heldUntil() + kSoon;
     return good_ && first->kind == Picture::kind && !attempt_->isPastCoarse && now() < soon &&
-           *attempt_->pictureCameAt + good_->told.trace < soon && !hasPictureIn(first + 1);
+           *attempt_->pictureCameAt + good_->report.trace < soon && !hasPictureIn(first + 1);
   }
 
-  void look(const SceneReady& scene) {
+  void apply(const SceneReady& scene) {
     if (attempt_->refused) return;  // only to look for its loop
-    attempt_->told.scene = scene;
-    if (!good_ || attempt_->told.sceneChanged) listener_.onScene(scene);
+    attempt_->report.scene = scene;
+    if (!good_ || attempt_->report.sceneChanged) listener_.onScene(scene);
   }
 
-  void look(const Compiled& compiled) {
-    Consequences& told = attempt_->told;
-    told.glslang = compiled.glslangSeconds;
-    told.optimiser = compiled.optimiserSeconds;
-    told.check = compiled.checkSeconds;
-    told.code = compareInstructions(good_ ? good_->words : std::vector<uint32_t>(), compiled.words);
+  void apply(const Compiled& compiled) {
+    VersionReport& report = attempt_->report;
+    report.glslang = compiled.glslangSeconds;
+    report.optimiser = compiled.optimiserSeconds;
+    report.check = compiled.checkSeconds;
+    report.code = compareInstructions(good_ ? good_->words : std::vector<uint32_t>(), compiled.words);
     attempt_->words = compiled.words;
     files_.compilerRead(compiled.files);
     if (!compiled.sameAsGood) return;
-    told.sameCode = true;
-    told.rays = good_->told.rays;
-    told.trace = good_->told.trace;
+    report.sameCode = true;
+    report.rays = good_->report.rays;
+    report.trace = good_->report.trace;
     takePicture(good_->image);
   }
 
-  void look(Picture picture) {
-    Consequences& told = attempt_->told;
-    told.pipeline += picture.pipelineSeconds;
+  void apply(Picture picture) {
+    VersionReport& report = attempt_->report;
+    report.pipeline += picture.pipelineSeconds;
     attempt_->isPastCoarse = true;
     if (picture.coarse) {
       if (hasPictureIn(attempt_->answers.begin())) return;  // the full one
-      show(picture.image, told.scene, attempt_->version, true);
-      told.toCoarse = now() - attempt_->savedAt;
-      listener_.onCoarse(attempt_->version, *told.toCoarse);
+      show(picture.image, report.scene, attempt_->version, true);
+      report.toCoarse = now() - attempt_->savedAt;
+      listener_.onCoarse(attempt_->version, *report.toCoarse);
       return;
     }
-    told.trace = picture.traceSeconds;
-    told.readback = picture.readbackSeconds;
+    report.trace = picture.traceSeconds;
+    report.readback = picture.readbackSeconds;
     takePicture(std::move(picture.image));
   }
 
   // The attempt is the last good version from here on.
   void takePicture(Image image) {
     Attempt& attempt = *attempt_;
-    Consequences& told = attempt.told;
-    show(image, told.scene, attempt.version, false);
-    told.toPicture = now() - attempt.savedAt;
-    listener_.onPicture(attempt.version, told.toPicture, told.changed);
+    VersionReport& report = attempt.report;
+    show(image, report.scene, attempt.version, false);
+    report.toPicture = now() - attempt.savedAt;
+    listener_.onPicture(attempt.version, report.toPicture, report.changed);
     if (good_) {
-      if (haveSameSize(image, good_->image)) told.toLastGood = compareImages(image, good_->image, kChanged);
-      if (good_->sceneEpoch == attempt.sceneEpoch) told.lastGoodTrace = good_->told.trace;
-      told.lastGoodRays = good_->told.rays;
+      if (haveSameSize(image, good_->image)) report.toLastGood = compareImages(image, good_->image, kChanged);
+      if (good_->sceneEpoch == attempt.sceneEpoch) report.lastGoodTrace = good_->report.trace;
+      report.lastGoodRays = good_->report.rays;
     }
     Good& good = good_.emplace();
     good.version = attempt.version;
     good.sceneEpoch = attempt.sceneEpoch;
     good.sources = attempt.sources;
     good.words = attempt.words;
-    good.scene = told.scene;
+    good.scene = report.scene;
     good.image = std::move(image);
-    compareWithReference(told);
-    good.told = told;
+    compareWithReference(report);
+    good.report = report;
     attempt.hasPicture = true;
     unseenSince_.reset();
   }
 
-  void lookAtFigures(const Message& message) {
-    if (message.kind == Timing::kind) attempt_->told.timing = decode<Timing>(message);
-    if (message.kind == Counted::kind) attempt_->told.rays = decode<Counted>(message).rays;
+  void applyFigures(const Message& message) {
+    if (message.kind == Timing::kind) attempt_->report.timing = decode<Timing>(message);
+    if (message.kind == Counted::kind) attempt_->report.rays = decode<Counted>(message).rays;
   }
 
   // All that there will be is known of the version.
   void conclude() {
-    Consequences& told = attempt_->told;
-    if (!told.toReference) compareWithReference(told);
-    if (!plan_.keep.empty()) keep(told);
-    good_->told = told;
-    listener_.onVersion(told);
+    VersionReport& report = attempt_->report;
+    if (!report.toReference) compareWithReference(report);
+    if (!plan_.keep.empty()) keep(report);
+    good_->report = report;
+    listener_.onVersion(report);
     attempt_.reset();
   }
 
   // A version with a picture is given up: what has come is all.
   void concludeEarly() {
-    while (!attempt_->answers.empty()) lookAtFigures(takeAnswer());
+    while (!attempt_->answers.empty()) applyFigures(takeAnswer());
     if (attempt_->refused)
       refuse(*attempt_->refused);
     else
       conclude();
   }
 
-  void look(const Refused& refused) {
+  void apply(const Refused& refused) {
     if (attempt_->refused) return refuse(*attempt_->refused);  // the search has found nothing
     if (refused.endless || refused.unfinished || (refused.hung && refused.step >= Step::pipeline)) {
       attempt_->refused = refused;
@@ -445,7 +446,7 @@ class Watching {
   // --- pictures -------------------------------------------------------------------------------------------------
 
   Provenance provenanceOf(const SceneReady& scene) const {
-    return makeProvenance(scene.told, scene.settings, "--backend shader --geometry rounded", scene.device,
+    return makeProvenance(scene.summary, scene.settings, "--backend shader --geometry rounded", scene.device,
                           scene.driver);
   }
 
@@ -473,26 +474,26 @@ class Watching {
     if (!showsGood_) show(good_->image, good_->scene, good_->version, false);
   }
 
-  void keep(Consequences& told) {
+  void keep(VersionReport& report) {
     KeptVersion version;
     version.sources = good_->sources;
     try {
       version.picture = encodeExr(good_->image, provenanceOf(good_->scene));
       version.sceneText = readRegularFile(plan_.scene);
       // What was changed since is no part of this version.
-      if (sha256Hex(version.sceneText) == good_->scene.told.sources.at(0).sha256)
+      if (sha256Hex(version.sceneText) == good_->scene.summary.sources.at(0).sha256)
         version.sceneName = std::filesystem::path(plan_.scene).filename().string();
-      version.figures = figuresJson(told);
-      told.kept = keepVersion(plan_.keep, told.version, version);
+      version.figures = versionReportJson(report);
+      report.kept = keepVersion(plan_.keep, report.version, version);
     } catch (const std::runtime_error& error) {
-      trouble(told.version, error.what());
+      trouble(report.version, error.what());
     }
   }
 
   // --- waiting --------------------------------------------------------------------------------------------------
 
   // Until something comes, or the next moment at which something is due.
-  void rest() {
+  void waitForEvents() {
     double until = std::min(now() + files_.pollMilliseconds() * 1e-3, renderer_.nextDecision());
     const auto wakeAt = [&](double time) {
       if (time > now()) until = std::min(until, time);
@@ -546,7 +547,7 @@ void watch(const WatchPlan& plan, WatchListener& listener) {
   // Whatever is as large as a kernel or a picture goes back to the system when it is freed: glibc begins with this
   // threshold, but would raise it by and by, take such blocks from its heap, and leave holes there.
   ::mallopt(M_MMAP_THRESHOLD, 128 << 10);
-  Watching(plan, listener).run();
+  Watcher(plan, listener).run();
 }
 
 }  // namespace turner::watch

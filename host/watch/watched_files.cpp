@@ -84,9 +84,9 @@ bool WatchedFiles::isKnownSource(const std::string& file) const {
          std::any_of(taken_.begin(), taken_.end(), isThis);
 }
 
-bool WatchedFiles::isWorthALook(double now) const {
+bool WatchedFiles::isWorthChecking(double now) const {
   pollfd event{descriptor(), POLLIN, 0};
-  return loadedOther_ || now >= lastLook_ + pollMilliseconds() * 1e-3 || (event.fd >= 0 && ::poll(&event, 1, 0) > 0);
+  return loadedOther_ || now >= lastCheck_ + pollMilliseconds() * 1e-3 || (event.fd >= 0 && ::poll(&event, 1, 0) > 0);
 }
 
 // A file that is followed for the first time may have changed after it was read.
@@ -97,9 +97,9 @@ void WatchedFiles::readAndFollow() {
   }
 }
 
-void WatchedFiles::look(double now) {
-  if (!isWorthALook(now)) return;
-  lastLook_ = now;
+void WatchedFiles::check(double now) {
+  if (!isWorthChecking(now)) return;
+  lastCheck_ = now;
   const std::vector<std::string> changes = watch_.takeChanges();
   if (changes.empty() && !loadedOther_) return;
   bool isChange = mistrusted_;

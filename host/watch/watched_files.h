@@ -22,7 +22,7 @@ class WatchedFiles {
 
   // Looks whether anything has changed, if it is worth to: the system says so, or the last look is long ago. Files that
   // were saved without a change have not.
-  void look(double now);
+  void check(double now);
   // Whether there is a change that takeUp() has not seen, and time to take it up. One that was taken back is none.
   bool isDue(double now);
   bool hasChange() const { return pending_; }
@@ -55,7 +55,7 @@ class WatchedFiles {
   std::vector<ShaderSource> readSources() const;
   std::vector<std::string> filesOfScene() const;
   bool isAsLoaded(const std::string& file) const;
-  bool isWorthALook(double now) const;
+  bool isWorthChecking(double now) const;
   bool isKnownSource(const std::string& file) const;
   void readAndFollow();
   void follow();
@@ -69,7 +69,7 @@ class WatchedFiles {
   bool pending_ = false, mistrusted_ = false;
   bool loadedOther_ = false;   // a mesh has changed since it was loaded, before it was followed
   bool otherChanged_ = false;  // a file that is neither the scene's nor among the sources
-  double lastLook_ = 0, firstChange_ = -kLongest, lastChange_ = 0;
+  double lastCheck_ = 0, firstChange_ = -kLongest, lastChange_ = 0;
   uint64_t burst_ = 0, sceneEpoch_ = 1, takenEpoch_ = 0, loadedEpoch_ = 0;
 };
 

@@ -1,6 +1,6 @@
-// Each job is told as the way that data takes: scene -> packed -> uploaded; sources -> SPIR-V -> checked -> pipeline ->
-// coarse picture -> picture -> times -> counts. Every step says that it begins, so that the watcher knows where a
-// worker is that is heard of no more.
+// Each job reads as its data flow: scene -> packed -> uploaded; sources -> SPIR-V -> checked -> pipeline ->
+// coarse picture -> picture -> times -> counts. Every step reports its beginning, so that the watcher knows where a
+// silent worker is.
 #include "watch/worker.h"
 
 #include <malloc.h>
@@ -55,10 +55,10 @@ class Worker {
     cancelled_ = false;
     try {
       run(job);
-      tell(Finished{job_});
+      report(Finished{job_});
       return true;
     } catch (const GivenUp&) {
-      tell(Finished{job_});
+      report(Finished{job_});
       return true;
     } catch (const LoopsCut& error) {
       refuse(error.what(), {.endless = true});
@@ -128,11 +128,11 @@ class Worker {
       begin(Step::scene);
       Scene scene = loadSceneFile();
       ready.settings = plan_.settingsOf(scene);
-      ready.told = {};
-      ready.told.name = scene.name;
-      ready.told.camera = scene.camera;
-      ready.told.sources = scene.sources;
-      ready.told.notes = scene.notes;
+      ready.summary = {};
+      ready.summary.name = scene.name;
+      ready.summary.camera = scene.camera;
+      ready.summary.sources = scene.sources;
+      ready.summary.notes = scene.notes;
       ready.spheres = scene.spheres.size();
       ready.triangles = scene.triangles.size();
       ready.loadSeconds = watch.lap();
@@ -142,7 +142,7 @@ class Worker {
       ready.uploadSeconds = session_->seconds().upload;
       hasScene_ = true;
     }
-    tell(ready);
+    report(ready);
   }
 
   // --- the kernel ---
@@ -167,25 +167,25 @@ class Worker {
     compiled.glslangSeconds = kernel.glslangSeconds;
     compiled.optimiserSeconds = kernel.optimiserSeconds;
     compiled.sameAsGood = job.goodHasScene && job.goodWords == kernel.words;
-    tell(compiled);
+    report(compiled);
     if (compiled.sameAsGood) return;
 
     const RenderSettings& settings = ready_.settings;
     ShaderPicture coarse = session_->renderCoarse(kernel, settings, kCoarseStride, progressOf(Step::coarse));
     throwIfInvalid();
-    tell(Picture{job_, true, std::move(coarse.image), coarse.compileSeconds, coarse.traceSeconds,
-                 coarse.readbackSeconds});
+    report(Picture{job_, true, std::move(coarse.image), coarse.compileSeconds, coarse.traceSeconds,
+                   coarse.readbackSeconds});
     ShaderPicture picture = session_->render(kernel, settings, progressOf(Step::picture));
     throwIfInvalid();
-    tell(Picture{job_, false, std::move(picture.image), picture.compileSeconds, picture.traceSeconds,
-                 picture.readbackSeconds});
+    report(Picture{job_, false, std::move(picture.image), picture.compileSeconds, picture.traceSeconds,
+                   picture.readbackSeconds});
 
     // The picture is there; what follows is about it.
     if (job.goodHasScene && !job.goodWords.empty() && picture.traceSeconds < kShortTrace)
       compareTimes({.words = job.goodWords}, kernel);
     const Visits visits = session_->countVisits(kernel, settings, progressOf(Step::counting));
     throwIfInvalid();
-    tell(Counted{job_, visits.rays});
+    report(Counted{job_, visits.rays});
   }
 
   // In turn, so that whatever else the machine does meets both; and each is first in turn.
@@ -204,10 +204,10 @@ class Worker {
       ratios.push_back(after.back() / before.back());
     }
     const auto [least, most] = std::minmax_element(ratios.begin(), ratios.end());
-    tell(Timing{job_, int(ratios.size()), median(before), median(after), median(ratios), *least, *most});
+    report(Timing{job_, int(ratios.size()), median(before), median(after), median(ratios), *least, *most});
   }
 
-  // A kernel that counts its loops' turns ends, and tells which of them had too many.
+  // A kernel that counts its loops' turns ends, and reports which of them had too many.
   void findLoop(const Job& job) {
     const LoopProbe probe = probeLoops(job.sources);
     const Spirv kernel = compile(probe.sources);
@@ -215,10 +215,10 @@ class Worker {
     try {
       session_->renderCoarse(kernel, ready_.settings, kCoarseStride, progressOf(Step::probe), budget);
     } catch (const PixelsMissing&) {
-      // It tells of no loop.
+      // No loop made too many turns.
     } catch (const LoopsCut& cut) {
       if (const std::optional<SourceLocation> location = endlessLoop(probe, cut.count))
-        tell(LoopFound{job_, location->path, location->line, location->column});
+        report(LoopFound{job_, location->path, location->line, location->column});
     }
   }
 
@@ -230,27 +230,27 @@ class Worker {
     const Scene scene = loadSceneFile();
     const RenderSettings settings = plan_.settingsOf(scene);
     ReferencePicture picture = renderReference(plan_.referenceGeometry(scene), settings, progressOf(Step::picture));
-    tell(Picture{job_, false, std::move(picture.image), 0, picture.traceSeconds, 0});
+    report(Picture{job_, false, std::move(picture.image), 0, picture.traceSeconds, 0});
   }
 
   // --- the line ---
 
   template <class Value>
-  void tell(const Value& value) {
+  void report(const Value& value) {
     if (!send(line_, value)) throw LineEnded();
   }
 
   void begin(Step step) {
     stopIfCancelled();
     step_ = step;
-    tell(Advance{job_, step, 0});
+    report(Advance{job_, step, 0});
   }
 
   void refuse(const std::string& text, Refused refused) {
     refused.job = job_;
     refused.step = step_;
     refused.text = text;
-    tell(refused);
+    report(refused);
   }
 
   // What a failure now says of the device.
@@ -264,12 +264,12 @@ class Worker {
   }
 
   Progress progressOf(Step step) {
-    return [this, step, sinceTold = Stopwatch()](double share) mutable {
+    return [this, step, sinceReport = Stopwatch()](double share) mutable {
       stopIfCancelled();
-      if (step_ == step && sinceTold.seconds() < kHeartbeat) return;
+      if (step_ == step && sinceReport.seconds() < kHeartbeat) return;
       step_ = step;
-      sinceTold.lap();
-      tell(Advance{job_, step, share});
+      sinceReport.lap();
+      report(Advance{job_, step, share});
     };
   }
 

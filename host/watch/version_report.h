@@ -16,7 +16,7 @@ namespace turner::watch {
 // A channel that differs by more than this counts its pixel as changed from the last good picture: any difference does.
 inline constexpr double kChanged = 0;
 
-struct Consequences {
+struct VersionReport {
   int version = 0;
   std::optional<int> lastGood;       // the version that this one is compared with
   std::vector<std::string> changed;  // names of the shaders' files that differ from it
@@ -42,12 +42,12 @@ struct Consequences {
 };
 
 // Aligned lines, each with its end.
-std::string consequencesText(const Consequences& of);
+std::string versionReportText(const VersionReport& report);
 // The line of the comparison with the reference alone, for one that comes later.
 std::string referenceText(const Comparison& comparison);
 
 // Into an object that is open.
 void putComparison(JsonWriter& json, const char* key, const std::optional<Comparison>& comparison);
-void putConsequences(JsonWriter& json, const Consequences& of);
+void putVersionReport(JsonWriter& json, const VersionReport& report);
 
 }  // namespace turner::watch
