@@ -24,32 +24,6 @@ namespace turner {
 using namespace watch;
 namespace {
 
-const char* stepName(Step step) {
-  switch (step) {
-    case Step::open:
-      return "open";
-    case Step::scene:
-      return "scene";
-    case Step::compile:
-      return "compile";
-    case Step::check:
-      return "check";
-    case Step::pipeline:
-      return "pipeline";
-    case Step::coarse:
-      return "coarse";
-    case Step::picture:
-      return "picture";
-    case Step::timing:
-      return "timing";
-    case Step::counting:
-      return "counting";
-    case Step::probe:
-      return "probe";
-  }
-  return "";
-}
-
 std::string joined(const std::vector<std::string>& words) {
   std::string text;
   for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "watch/diagnosis.h"
-#include "watch/messages.h"
+#include "watch/diagnosis/diagnosis.h"
+#include "watch/process/messages.h"
 #include "watch/version_report.h"
 
 namespace turner::watch {

@@ -115,6 +115,12 @@ std::string versionReportText(const VersionReport& report) {
          (report.kept.empty() ? "" : line("kept", report.kept));
 }
 
+std::string versionReportJson(const VersionReport& report) {
+  JsonWriter json;
+  json.object([&] { putVersionReport(json, report); });
+  return json.text();
+}
+
 void putVersionReport(JsonWriter& json, const VersionReport& report) {
   json.put("version", report.version);
   json.put("last_good", report.lastGood);

@@ -9,7 +9,7 @@
 #include "image/compare.h"
 #include "image/settings.h"
 #include "kernel/spirv_words.h"
-#include "watch/messages.h"
+#include "watch/process/messages.h"
 
 namespace turner::watch {
 
@@ -46,6 +46,8 @@ std::string versionReportText(const VersionReport& report);
 // The line of the comparison with the reference alone, for one that comes later.
 std::string referenceText(const Comparison& comparison);
 
+// As JSON, an object.
+std::string versionReportJson(const VersionReport& report);
 // Into an object that is open.
 void putComparison(JsonWriter& json, const char* key, const std::optional<Comparison>& comparison);
 void putVersionReport(JsonWriter& json, const VersionReport& report);

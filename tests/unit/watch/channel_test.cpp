@@ -3,8 +3,8 @@
 
 #include <thread>
 
-#include "watch/channel.h"
-#include "watch/messages.h"
+#include "watch/process/channel.h"
+#include "watch/process/messages.h"
 
 namespace turner::watch {
 namespace {

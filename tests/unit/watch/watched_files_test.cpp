@@ -9,7 +9,7 @@
 
 #include "base/text_file.h"
 #include "support/temporary_folder.h"
-#include "watch/watched_files.h"
+#include "watch/files/watched_files.h"
 
 namespace turner::watch {
 namespace {

@@ -1,7 +1,7 @@
 // Each job reads as its data flow: scene -> packed -> uploaded; sources -> SPIR-V -> checked -> pipeline ->
 // coarse picture -> picture -> times -> counts. Every step reports its beginning, so that the watcher knows where a
 // silent worker is.
-#include "watch/worker.h"
+#include "watch/process/worker.h"
 
 #include <malloc.h>
 #include <sys/resource.h>
@@ -20,8 +20,8 @@
 #include "kernel/layout_text.h"
 #include "reference/reference.h"
 #include "scene/scene_load.h"
-#include "watch/loop_probe.h"
-#include "watch/messages.h"
+#include "watch/diagnosis/loop_probe.h"
+#include "watch/process/messages.h"
 
 namespace turner::watch {
 namespace {

@@ -1,5 +1,5 @@
 // A comparison line by line, of the lines that hold code.
-#include "watch/source_change.h"
+#include "watch/diagnosis/source_change.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "kernel/glsl_tokens.h"
-#include "watch/glsl_loops.h"
+#include "watch/diagnosis/glsl_loops.h"
 
 namespace turner::watch {
 namespace {

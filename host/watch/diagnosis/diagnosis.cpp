@@ -1,5 +1,5 @@
 // Knows the form of turner's messages and how glslang names tokens.
-#include "watch/diagnosis.h"
+#include "watch/diagnosis/diagnosis.h"
 
 #include <algorithm>
 #include <charconv>

@@ -6,9 +6,9 @@
 #include <optional>
 #include <string>
 
-#include "watch/child.h"
-#include "watch/messages.h"
 #include "watch/plan.h"
+#include "watch/process/child.h"
+#include "watch/process/messages.h"
 
 namespace turner::watch {
 
@@ -64,9 +64,5 @@ class RendererProcess {
   int versions_ = 0;
   size_t settledBytes_ = 0;  // after kSettled of them
 };
-
-// "compiling in the driver", and whether the edited kernel runs in it.
-const char* stepWords(Step step);
-bool runsKernel(Step step);
 
 }  // namespace turner::watch

@@ -1,5 +1,5 @@
 // Files are written into a hidden folder, which is renamed in the end.
-#include "watch/kept_versions.h"
+#include "watch/output/kept_versions.h"
 
 #include <fmt/format.h>
 #include <unistd.h>

@@ -8,7 +8,7 @@
 
 #include "kernel/shader_sources.h"
 #include "scene/scene.h"
-#include "watch/file_watch.h"
+#include "watch/files/file_watch.h"
 
 namespace turner::watch {
 

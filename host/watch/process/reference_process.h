@@ -7,8 +7,8 @@
 #include <string>
 
 #include "image/image.h"
-#include "watch/child.h"
 #include "watch/plan.h"
+#include "watch/process/child.h"
 
 namespace turner::watch {
 

@@ -3,7 +3,7 @@
 //                has ended loops | bits 27..20: number of that loop | bits 19..0: what the canary in main() adds
 // The greatest over all invocations stays there. Of loops with equally many turns the later one does: an inner loop
 // before those around it, a loop of an included file before one of main().
-#include "watch/loop_probe.h"
+#include "watch/diagnosis/loop_probe.h"
 
 #include <fmt/format.h>
 
@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "kernel/glsl_tokens.h"
-#include "watch/glsl_loops.h"
+#include "watch/diagnosis/glsl_loops.h"
 
 namespace turner::watch {
 namespace {

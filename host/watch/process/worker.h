@@ -2,8 +2,8 @@
 // another.
 #pragma once
 
-#include "watch/channel.h"
 #include "watch/plan.h"
+#include "watch/process/channel.h"
 
 namespace turner::watch {
 

@@ -1,7 +1,8 @@
-#include "watch/reference_process.h"
+// One process for each scene; a paused one is stopped by a signal.
+#include "watch/process/reference_process.h"
 
-#include "watch/messages.h"
-#include "watch/worker.h"
+#include "watch/process/messages.h"
+#include "watch/process/worker.h"
 
 namespace turner::watch {
 

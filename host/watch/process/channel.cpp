@@ -1,5 +1,5 @@
 // On the line a message is: its kind, its size, its bytes.
-#include "watch/channel.h"
+#include "watch/process/channel.h"
 
 #include <poll.h>
 #include <sys/socket.h>

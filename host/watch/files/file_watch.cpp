@@ -2,7 +2,7 @@
 // event has to be understood, and lost ones only cost time.
 //
 // Folders are watched, not files, because most editors replace a file rather than write to it.
-#include "watch/file_watch.h"
+#include "watch/files/file_watch.h"
 
 #include <limits.h>
 #include <sys/inotify.h>

@@ -1,11 +1,12 @@
-#include "watch/renderer_process.h"
+// The time limits of each step, and when a process is given up.
+#include "watch/process/renderer_process.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <utility>
 
-#include "watch/worker.h"
+#include "watch/process/worker.h"
 
 namespace turner::watch {
 namespace {
@@ -22,36 +23,6 @@ constexpr double kMostGrowth = 1.02;
 constexpr int kSettled = 8;
 
 }  // namespace
-
-const char* stepWords(Step step) {
-  switch (step) {
-    case Step::open:
-      return "opening the device";
-    case Step::scene:
-      return "loading the scene";
-    case Step::compile:
-      return "compiling";
-    case Step::check:
-      return "checking the SPIR-V";
-    case Step::pipeline:
-      return "compiling in the driver";
-    case Step::coarse:
-    case Step::picture:
-      return "rendering";
-    case Step::timing:
-      return "timing";
-    case Step::counting:
-      return "counting rays";
-    case Step::probe:
-      return "looking for the loop";
-  }
-  return "";
-}
-
-bool runsKernel(Step step) {
-  return step == Step::coarse || step == Step::picture || step == Step::timing || step == Step::counting ||
-         step == Step::probe;
-}
 
 void RendererProcess::give(Job job, double now) {
   if (!process_) {

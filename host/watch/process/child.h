@@ -8,7 +8,7 @@
 #include <memory>
 #include <string>
 
-#include "watch/channel.h"
+#include "watch/process/channel.h"
 
 namespace turner::watch {
 

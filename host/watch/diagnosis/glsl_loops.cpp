@@ -1,6 +1,6 @@
 // First the brackets are matched, branch by branch of the preprocessor; then statements are followed from bracket to
 // bracket, without a look at the expressions in them.
-#include "watch/glsl_loops.h"
+#include "watch/diagnosis/glsl_loops.h"
 
 #include <algorithm>
 #include <optional>

@@ -1,4 +1,5 @@
-#include "watch/watched_files.h"
+// Signatures say that a file was saved, its text says whether that is a change.
+#include "watch/files/watched_files.h"
 
 #include <poll.h>
 

@@ -1,5 +1,5 @@
 // fork, kill, wait.
-#include "watch/child.h"
+#include "watch/process/child.h"
 
 #include <fcntl.h>
 #include <signal.h>

@@ -11,13 +11,11 @@
 #include "image/settings.h"
 #include "kernel/shader_sources.h"
 #include "scene/scene.h"
-#include "watch/bytes.h"
-#include "watch/channel.h"
+#include "watch/process/bytes.h"
+#include "watch/process/channel.h"
+#include "watch/process/steps.h"
 
 namespace turner::watch {
-
-// The work that a job goes through, step by step.
-enum class Step { open, scene, compile, check, pipeline, coarse, picture, timing, counting, probe };
 
 // --- down -----------------------------------------------------------------------------------------------------------
 
