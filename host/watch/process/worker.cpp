@@ -6,13 +6,13 @@
 #include <malloc.h>
 #include <sys/resource.h>
 
-#include <algorithm>
 #include <memory>
 #include <new>
 #include <optional>
 #include <utility>
 
 #include "base/errors.h"
+#include "base/spread.h"
 #include "base/stopwatch.h"
 #include "base/text_file.h"
 #include "gpu/session.h"
@@ -36,12 +36,6 @@ constexpr double kHeartbeat = 0.05;
 struct GivenUp {};
 // The watcher is gone.
 struct LineEnded {};
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 class Worker {
  public:
@@ -195,7 +189,7 @@ class Worker {
     const auto trace = [&](const Spirv& kernel, std::vector<double>& seconds) {
       seconds.push_back(session_->render(kernel, ready_.settings, progressOf(Step::timing)).traceSeconds);
     };
-    // An odd number has a median.
+    // An odd number, so that one of the pairs is the median.
     while (ratios.size() < kFewestPairs || ratios.size() % 2 == 0 ||
            (ratios.size() < kMostPairs && watch.seconds() < kTimingSeconds)) {
       const bool goodFirst = ratios.size() % 2 == 0;
@@ -203,8 +197,9 @@ class Worker {
       trace(goodFirst ? edited : good, goodFirst ? after : before);
       ratios.push_back(after.back() / before.back());
     }
-    const auto [least, most] = std::minmax_element(ratios.begin(), ratios.end());
-    report(Timing{job_, int(ratios.size()), median(before), median(after), median(ratios), *least, *most});
+    const Spread ratio = spreadOf(ratios);
+    report(Timing{job_, int(ratios.size()), spreadOf(before).median, spreadOf(after).median, ratio.median, ratio.least,
+                  ratio.most});
   }
 
   // A kernel that counts its loops' turns ends, and reports which of them had too many.
