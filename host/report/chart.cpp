@@ -1,3 +1,4 @@
+// Values -> places on logarithmic axes -> shapes of SVG.
 #include "report/chart.h"
 
 #include <fmt/format.h>

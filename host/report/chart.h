@@ -22,7 +22,7 @@ struct Series {
   std::vector<DataPoint> points;
   int color = 0;  // of the palette
   Shape shape = Shape::circle;
-  int dashes = 0;      // kind of line; and of mark
+  int dashes = 0;      // kind of line, and of point
   bool joined = true;  // by lines
 };
 

@@ -287,25 +287,6 @@ class Measuring {
 
 }  // namespace
 
-double SweepPoint::medianSeconds() const {
-  std::vector<double> sorted = seconds;
-  std::sort(sorted.begin(), sorted.end());
-  const size_t half = sorted.size() / 2;
-  return sorted.size() % 2 == 1 ? sorted[half] : (sorted[half - 1] + sorted[half]) / 2;
-}
-
-double SweepPoint::fastest() const {
-  return *std::min_element(seconds.begin(), seconds.end());
-}
-
-double SweepPoint::slowest() const {
-  return *std::max_element(seconds.begin(), seconds.end());
-}
-
-double SweepPoint::efficiency() const {
-  return 1 / (rmse * rmse * medianSeconds());
-}
-
 void expectSweep(const SceneToSweep& sweep, const std::vector<RendererInfo>& renderers, const Journal& journal,
                  SweepObserver& observer) {
   const auto expect = [&](const std::string& renderer, const Setting& setting, int repeats) {

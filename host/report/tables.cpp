@@ -1,3 +1,4 @@
+// Keys and columns in the order of docs: scene, device, setting, times, errors.
 #include "report/tables.h"
 
 #include <fmt/format.h>
@@ -7,6 +8,8 @@
 #include "base/json_writer.h"
 #include "image/figures_json.h"
 #include "image/provenance.h"
+#include "report/figures.h"
+#include "report/findings.h"
 
 namespace turner::report {
 namespace {
