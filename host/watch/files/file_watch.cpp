@@ -24,7 +24,7 @@ constexpr int kMaxLinks = 40;
 constexpr int kMaxRounds = 8;
 // Reads of events in one look, so that a busy folder cannot hold it up; the rest keeps the descriptor readable.
 constexpr int kMaxReads = 64;
-// A safety net where inotify works: network file systems do not tell what other machines write.
+// A safety net where inotify works: network file systems do not report what other machines write.
 constexpr int kPollWatched = 1000;
 constexpr int kPollUnwatched = 250;
 

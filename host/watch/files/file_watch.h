@@ -31,14 +31,15 @@ class FileWatch {
   FileWatch& operator=(const FileWatch&) = delete;
 
   // Replaces the set of files; they need not exist. Files that stay in the set keep what is known of them, so that no
-  // change gets lost. Of a new file later changes are told: who follows it before reading it misses none.
+  // change gets lost. Of a new file later changes are reported: a caller that follows it before reading it
+  // misses none.
   void follow(const std::vector<std::string>& files);
 
   // For poll(): readable when it is worth to look. -1 where there is no inotify.
   int descriptor() const { return inotify_.number; }
 
-  // Those of the files, in order of their names, that changed since they were followed or last told. Also told is a
-  // file that was open for writing and got closed, even if its signature is the same. Never blocks.
+  // Those of the files, in order of their names, that changed since they were followed or last reported. Also reported
+  // is a file that was open for writing and got closed, even if its signature is the same. Never blocks.
   std::vector<std::string> takeChanges();
 
   // How long a caller may wait at most before it looks of its own accord.

@@ -40,7 +40,7 @@ class WatchedFiles {
   uint64_t sceneEpoch() const { return sceneEpoch_; }
   // Whether they have changed since they were loaded last.
   bool isSceneStale() const { return loadedEpoch_ != sceneEpoch_; }
-  // The scene was loaded, in a worker that was told this epoch, from these files.
+  // The scene was loaded, by a worker whose job had this epoch, from these files.
   void sceneWasLoaded(uint64_t epoch, const std::vector<SourceFile>& sources);
   // It cannot be loaded. A mesh that is missing may be why: what its text names is followed too.
   void sceneWasRefused();

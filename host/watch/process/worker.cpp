@@ -282,7 +282,7 @@ class Worker {
 }  // namespace
 
 void workForWatcher(Channel& line, const WatchPlan& plan) {
-  // Unlike the watcher's, its heap keeps what it has once got, as glibc would have it without being told: compilers
+  // Unlike the watcher's, its heap keeps what it has once got, as glibc has it by default: compilers
   // take and free large blocks all the time.
   ::mallopt(M_MMAP_THRESHOLD, 32 << 20);
   ::mallopt(M_TRIM_THRESHOLD, 64 << 20);
