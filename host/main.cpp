@@ -17,7 +17,7 @@ namespace {
 enum ExitCode { kDone = 0, kFailed = 1, kWrongInput = 2, kInterrupted = 130 };
 
 // Diagnostics of a file say their place and that they are errors; everything else gets the program's name.
-int tell(const char* message, ExitCode code) {
+int printError(const char* message, ExitCode code) {
   const bool hasPlace = std::strstr(message, ": error: ") != nullptr;
   std::fprintf(stderr, hasPlace ? "%s\n" : "turner: error: %s\n", message);
   return code;
@@ -49,7 +49,7 @@ int run(int argc, char** argv) {
 // What was printed is part of the result: a full disk behind stdout is a failure too.
 int flushed(int code) {
   if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return code;
-  return tell((std::string("cannot write to standard output: ") + std::strerror(errno)).c_str(), kFailed);
+  return printError((std::string("cannot write to standard output: ") + std::strerror(errno)).c_str(), kFailed);
 }
 
 }  // namespace
@@ -60,14 +60,14 @@ int main(int argc, char** argv) {
   try {
     return flushed(run(argc, argv));
   } catch (const turner::InputError& error) {
-    return tell(error.what(), kWrongInput);
+    return printError(error.what(), kWrongInput);
   } catch (const turner::Interrupted& error) {
-    return tell(error.what(), kInterrupted);
+    return printError(error.what(), kInterrupted);
   } catch (const turner::RunError& error) {
-    return tell(error.what(), kFailed);
+    return printError(error.what(), kFailed);
   } catch (const std::bad_alloc&) {
-    return tell("out of memory", kFailed);
+    return printError("out of memory", kFailed);
   } catch (const std::exception& error) {
-    return tell(error.what(), kFailed);
+    return printError(error.what(), kFailed);
   }
 }

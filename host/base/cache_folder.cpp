@@ -1,3 +1,4 @@
+// Environment variables, mkdir and times of last use; failures are ignored.
 #include "base/cache_folder.h"
 
 #include <sys/stat.h>

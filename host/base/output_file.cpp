@@ -61,15 +61,6 @@ fs::path folderOf(const fs::path& file) {
   return file.has_parent_path() ? file.parent_path() : fs::path(".");
 }
 
-void writeAll(const std::string& path, const UniqueFd& file, std::string_view bytes) {
-  while (!bytes.empty()) {
-    const ssize_t written = ::write(file.number, bytes.data(), bytes.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) fail(path, "write", errno);
-    bytes.remove_prefix(size_t(written));
-  }
-}
-
 // Closing may be the moment at which a network file system reports that its disk is full.
 void closeFile(const std::string& path, UniqueFd& file) {
   // After EINTR Linux has closed the file all the same.
@@ -80,7 +71,7 @@ void closeFile(const std::string& path, UniqueFd& file) {
 void writeInto(const std::string& path, std::string_view bytes) {
   UniqueFd file(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
   if (file.number < 0) fail(path, "open", errno);
-  writeAll(path, file, bytes);
+  if (!writeAll(file.number, bytes)) fail(path, "write", errno);
   closeFile(path, file);
 }
 
@@ -132,6 +123,16 @@ void checkWritable(const std::string& path) {
   }
 }
 
+bool writeAll(int file, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(file, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return false;
+    bytes.remove_prefix(size_t(written));
+  }
+  return true;
+}
+
 void writeWholeFile(const std::string& path, std::string_view bytes) {
   struct stat found {};
   if (::stat(path.c_str(), &found) == 0 && !S_ISREG(found.st_mode)) return writeInto(path, bytes);
@@ -140,7 +141,7 @@ void writeWholeFile(const std::string& path, std::string_view bytes) {
   int number = -1;
   Temporary temporary(makeTemporary(path, target, number));
   UniqueFd file(number);
-  writeAll(path, file, bytes);
+  if (!writeAll(file.number, bytes)) fail(path, "write", errno);
   // Bring the bytes to the disk before the name: else a power cut may leave an empty file under the new name.
   if (::fsync(file.number) != 0) fail(path, "fsync", errno);
   closeFile(path, file);

@@ -2,6 +2,7 @@
 #include "base/text_file.h"
 
 #include <fcntl.h>
+#include <nettle/base16.h>
 #include <nettle/sha2.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -14,30 +15,26 @@
 
 #include "base/errors.h"
 #include "base/reserve.h"
+#include "base/unique_fd.h"
 
 namespace turner {
 
 std::string readTextFile(const std::string& path) {
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored)) throw InputError(path + ": error: is a folder, not a file");
-  const struct File {
-    int descriptor;
-    ~File() {
-      if (descriptor >= 0) close(descriptor);
-    }
-  } file{open(path.c_str(), O_RDONLY | O_CLOEXEC)};
-  if (file.descriptor < 0) throw InputError(path + ": error: cannot open: " + std::strerror(errno));
+  const UniqueFd file(open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (file.number < 0) throw InputError(path + ": error: cannot open: " + std::strerror(errno));
 
   // One byte more than the size, so that one more read tells the end. A pipe has no size, and a file may grow.
   struct stat status {};
-  size_t room = fstat(file.descriptor, &status) == 0 ? size_t(status.st_size) + 1 : 1;
+  size_t room = fstat(file.number, &status) == 0 ? size_t(status.st_size) + 1 : 1;
   std::string text;
   for (size_t got = 0;; room = 2 * room + (size_t(1) << 16)) {
     text.reserve(room);
     prefault(text.data() + got, room - got);
     text.resize(room);
     while (got < room) {
-      const ssize_t count = read(file.descriptor, text.data() + got, room - got);
+      const ssize_t count = read(file.number, text.data() + got, room - got);
       if (count < 0 && errno == EINTR) continue;
       if (count < 0) throw InputError(path + ": error: cannot read: " + std::strerror(errno));
       if (count == 0) {
@@ -74,12 +71,8 @@ std::string sha256Hex(std::string_view bytes) {
   sha256_update(&context, bytes.size(), reinterpret_cast<const uint8_t*>(bytes.data()));
   std::array<uint8_t, SHA256_DIGEST_SIZE> digest;
   sha256_digest(&context, digest.size(), digest.data());
-  std::string hex;
-  for (const uint8_t byte : digest) {
-    constexpr const char* kDigits = "0123456789abcdef";
-    hex += kDigits[byte >> 4];
-    hex += kDigits[byte & 15];
-  }
+  std::string hex(BASE16_ENCODE_LENGTH(digest.size()), '\0');
+  base16_encode_update(hex.data(), digest.size(), digest.data());
   return hex;
 }
 

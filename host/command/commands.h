@@ -1,4 +1,4 @@
-// The commands, each told as the way that data takes.
+// The commands; each reads as its data flow.
 #pragma once
 
 #include "command/command_line.h"

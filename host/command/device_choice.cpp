@@ -1,3 +1,4 @@
+// --device, TURNER_DEVICE, else the best one.
 #include "command/device_choice.h"
 
 #include <cstdlib>

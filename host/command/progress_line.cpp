@@ -29,13 +29,12 @@ StatusLine::~StatusLine() {
 
 bool StatusLine::isDue() {
   if (quiet_) return false;
-  const std::chrono::duration<double> sinceLast = Clock::now() - last_;
-  return sinceLast.count() >= (terminal_ ? 0.1 : 2.0);
+  return last_.seconds() >= (terminal_ ? 0.1 : 2.0);
 }
 
 void StatusLine::show(const std::string& text) {
   if (quiet_) return;
-  last_ = Clock::now();
+  last_.lap();
   shown_ = true;
   // Spaces wipe what a longer line before has left.
   if (terminal_)
@@ -52,7 +51,7 @@ void StatusLine::note(const std::string& text) {
 }
 
 double StatusLine::secondsSinceStart() const {
-  return std::chrono::duration<double>(Clock::now() - start_).count();
+  return start_.seconds();
 }
 
 ProgressLine::ProgressLine(std::string what, double samples, bool quiet)

@@ -1,9 +1,9 @@
 // Shows how far a work is: one line that renews itself on a terminal, plain lines elsewhere. Writes to stderr.
 #pragma once
 
-#include <chrono>
 #include <string>
 
+#include "base/stopwatch.h"
 #include "image/settings.h"
 
 namespace turner {
@@ -27,10 +27,9 @@ class StatusLine {
   double secondsSinceStart() const;
 
  private:
-  using Clock = std::chrono::steady_clock;
   bool quiet_, terminal_;
   bool shown_ = false;
-  Clock::time_point start_ = Clock::now(), last_ = start_;
+  Stopwatch start_, last_;  // since the first and the last text
 };
 
 // Of a render.

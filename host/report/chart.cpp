@@ -1,3 +1,4 @@
+// Values -> places on logarithmic axes -> shapes of SVG.
 #include "report/chart.h"
 
 #include <fmt/format.h>
@@ -69,8 +70,8 @@ std::string shapeAt(Shape shape, double x, double y, const std::string& style) {
   return "";
 }
 
-bool isDrawn(const Mark& mark) {
-  return mark.x > 0 && mark.y > 0 && std::isfinite(mark.x) && std::isfinite(mark.y);
+bool isDrawn(const DataPoint& dataPoint) {
+  return dataPoint.x > 0 && dataPoint.y > 0 && std::isfinite(dataPoint.x) && std::isfinite(dataPoint.y);
 }
 
 std::string numberText(double value) {
@@ -102,9 +103,9 @@ class Drawing {
         kWidth, height_, escaped(chart_.title));
     add("<rect width='{}' height='{}' fill='#fff'/>", kWidth, height_);
     axes();
-    stairs();
+    paretoSteps();
     for (const Series& series : chart_.series) line(series);
-    for (const Series& series : chart_.series) marks(series);
+    for (const Series& series : chart_.series) points(series);
     legend();
     add("</svg>\n");
     return text_;
@@ -142,9 +143,9 @@ class Drawing {
   }
 
   // What is reached stays reached until something better is.
-  void stairs() {
+  void paretoSteps() {
     std::string path;
-    for (const auto& [x, y] : chart_.stairs) {
+    for (const auto& [x, y] : chart_.paretoSteps) {
       if (!(x > 0 && y > 0)) continue;
       if (path.empty())
         path = fmt::format("M{:.2f} {:.2f}", x_.place(x), y_.place(y));
@@ -158,27 +159,27 @@ class Drawing {
   void line(const Series& series) {
     if (!series.joined) return;
     std::string path;
-    for (const Mark& mark : series.marks)
-      if (isDrawn(mark))
-        path += fmt::format("{}{:.2f} {:.2f}", path.empty() ? 'M' : 'L', x_.place(mark.x), y_.place(mark.y));
+    for (const DataPoint& dataPoint : series.points)
+      if (isDrawn(dataPoint))
+        path += fmt::format("{}{:.2f} {:.2f}", path.empty() ? 'M' : 'L', x_.place(dataPoint.x), y_.place(dataPoint.y));
     if (path.empty()) return;
     add("<path class='curve' d='{}' fill='none' stroke='{}' stroke-width='1.6' stroke-dasharray='{}'/>", path,
         kPalette[series.color], kDashes[series.dashes]);
   }
 
-  void marks(const Series& series) {
-    for (const Mark& mark : series.marks) {
-      if (!isDrawn(mark)) continue;
-      const double x = x_.place(mark.x), y = y_.place(mark.y);
-      add("<g class='point' tabindex='0' data-point='{}' data-label='{}'><title>{}</title>", escaped(mark.id),
-          escaped(mark.label), escaped(mark.label));
-      if (mark.ringed)
+  void points(const Series& series) {
+    for (const DataPoint& dataPoint : series.points) {
+      if (!isDrawn(dataPoint)) continue;
+      const double x = x_.place(dataPoint.x), y = y_.place(dataPoint.y);
+      add("<g class='point' tabindex='0' data-point='{}' data-label='{}'><title>{}</title>", escaped(dataPoint.id),
+          escaped(dataPoint.label), escaped(dataPoint.label));
+      if (dataPoint.highlighted)
         add("<circle cx='{:.2f}' cy='{:.2f}' r='8' fill='none' stroke='#111' stroke-width='1.2'/>", x, y);
       add("{}</g>", shapeAt(series.shape, x, y, styleOf(series)));
-      if (!mark.note.empty() && isFree(x, y))
+      if (!dataPoint.note.empty() && isFree(x, y))
         add("<text x='{:.2f}' y='{:.2f}' fill='#111' font-size='11' paint-order='stroke' stroke='#fff' "
             "stroke-width='3'>{}</text>",
-            x + 10, y - 6, escaped(mark.note));
+            x + 10, y - 6, escaped(dataPoint.note));
     }
   }
 
@@ -201,10 +202,10 @@ class Drawing {
       add("<text x='{}' y='{}' fill='#111'>{}</text>", x + 38, y + 4, escaped(series.name));
       y += kLegendRow;
     }
-    if (chart_.stairs.empty()) return;
+    if (chart_.paretoSteps.empty()) return;
     add("<path d='M{} {}h30' stroke='#bbb' stroke-width='5'/>", x, y);
     add("<circle cx='{}' cy='{}' r='8' fill='none' stroke='#111' stroke-width='1.2'/>", x + 15, y);
-    add("<text x='{}' y='{}' fill='#111'>{}</text>", x + 38, y + 4, escaped(chart_.stairsName));
+    add("<text x='{}' y='{}' fill='#111'>{}</text>", x + 38, y + 4, escaped(chart_.paretoStepsName));
   }
 
   const Chart& chart_;
@@ -245,12 +246,12 @@ std::string escaped(const std::string& text) {
 std::string svgOf(const Chart& chart) {
   double leastX = HUGE_VAL, mostX = 0, leastY = HUGE_VAL, mostY = 0;
   for (const Series& series : chart.series)
-    for (const Mark& mark : series.marks) {
-      if (!isDrawn(mark)) continue;
-      leastX = std::min(leastX, mark.x);
-      mostX = std::max(mostX, mark.x);
-      leastY = std::min(leastY, mark.y);
-      mostY = std::max(mostY, mark.y);
+    for (const DataPoint& dataPoint : series.points) {
+      if (!isDrawn(dataPoint)) continue;
+      leastX = std::min(leastX, dataPoint.x);
+      mostX = std::max(mostX, dataPoint.x);
+      leastY = std::min(leastY, dataPoint.y);
+      mostY = std::max(mostY, dataPoint.y);
     }
   if (!(mostX > 0)) return "<p>There is nothing to draw: no error is a number above 0.</p>\n";
   const double height = heightOf(chart);

@@ -1,12 +1,11 @@
-// What follows from measured points: curves, their slopes, what reaches an error first, and that in words.
+// What follows from measured points: curves, their slopes, and what reaches an error first.
 #pragma once
 
 #include <optional>
-#include <string>
 #include <utility>
 #include <vector>
 
-#include "report/measure.h"
+#include "report/swept_scene.h"
 
 namespace turner::report {
 
@@ -40,7 +39,13 @@ std::vector<size_t> paretoFront(const SweptScene& scene);
 std::vector<bool> isOnFront(const SweptScene& scene);
 
 // The point with the same samples on the same renderer from which nothing is cut off: every sweep has it.
-const Point& uncutPoint(const SweptScene& scene, const Point& point);
+const SweepPoint& uncutPoint(const SweptScene& scene, const SweepPoint& point);
+
+// Errors that differ by less than this share are called alike: times are measured, and errors are of some draws.
+inline constexpr double kAlike = 0.1;
+
+// The points of two curves that have the same numbers of samples.
+std::vector<std::pair<size_t, size_t>> sameSamples(const SweptScene& scene, const Curve& first, const Curve& second);
 
 // Two curves at the same samples: where one has the smaller figure, by more than a tenth, without a break.
 enum class Figure { rmse, seconds };
@@ -49,20 +54,5 @@ struct Lead {
   bool ofFirst = false;
 };
 std::vector<Lead> leadsOf(const SweptScene& scene, const Curve& first, const Curve& second, Figure figure);
-
-// "llvmpipe, sobol 4x4, depth 3": a point in words.
-std::string pointInWords(const SweptScene& scene, const Point& point);
-
-// "12.3 ms", "4.56 s".
-std::string timeInWords(double seconds);
-
-// What a reader wants to know first, a sentence each.
-std::vector<std::string> findings(const SweptScene& scene);
-
-// Quoted where a shell would see more in it than one word.
-std::string shellWord(const std::string& text);
-
-// The render command that makes the point's picture of seed 0; the shaders' folder if it is not Turner's own.
-std::string renderCommand(const SweptScene& scene, const Point& point, const std::string& shaders);
 
 }  // namespace turner::report

@@ -55,12 +55,12 @@ double firstConverged(const SceneToSweep& sweep) {
 class Measuring {
  public:
   Measuring(const SceneToSweep& sweep, std::vector<std::unique_ptr<Renderer>> renderers, Journal& journal,
-            Watcher& watcher)
+            SweepObserver& observer)
       : sweep_(sweep),
         renderers_(std::move(renderers)),
         rounded_(referenceRenderer(sweep.scene, ReferenceOf::rounded)),
         journal_(journal),
-        watcher_(watcher) {}
+        observer_(observer) {}
 
   SweptScene run() {
     SweptScene result;
@@ -93,7 +93,7 @@ class Measuring {
   }
 
  private:
-  // What the reference tells of a setting; the same for all devices.
+  // The parts of a setting's error that come from the reference; the same for all devices.
   struct Split {
     Image rounded;
     Comparison sampling, cutOff, quantisation;
@@ -116,13 +116,13 @@ class Measuring {
 
   TimedPicture render(Renderer& renderer, const RenderSettings& settings, const std::string& what) {
     const double samples = samplesIn(settings);
-    double told = 0;
-    const auto tell = [&](double share) {
-      watcher_.done(renderer.info.name, share * samples - told, what);
-      told = share * samples;
+    double reported = 0;
+    const auto report = [&](double share) {
+      observer_.done(renderer.info.name, share * samples - reported, what);
+      reported = share * samples;
     };
-    TimedPicture picture = renderer.render(settings, tell);
-    tell(1);
+    TimedPicture picture = renderer.render(settings, report);
+    report(1);
     return picture;
   }
 
@@ -131,7 +131,7 @@ class Measuring {
     const RenderSettings settings = settingsWith(sweep_.whole, setting, 0);
     if (journal_.find(point, 0)) {
       if (journal_.hasPicture(point, settings.width, settings.height, settings.crop)) return;
-      watcher_.expect(renderer.info.name, samplesIn(settings));
+      observer_.expect(renderer.info.name, samplesIn(settings));
     }
     const TimedPicture picture = render(renderer, settings, point);
     const RendererInfo& info = renderer.info;
@@ -169,7 +169,7 @@ class Measuring {
     const int width = std::max(1, whole.width() / 4), height = std::max(1, whole.height() / 4);
     const int x = whole.x0 + (whole.width() - width) / 2, y = whole.y0 + (whole.height() - height) / 2;
     settings.crop = {x, y, x + width, y + height};
-    watcher_.expect(renderers_[reference()]->info.name, samplesIn(settings));
+    observer_.expect(renderers_[reference()]->info.name, samplesIn(settings));
     const Image exact = render(*renderers_[reference()], settings, sweep_.tag + "converged").image;
     floatError = std::max(floatError, rmsError(partOf(converged.sobol, settings.crop), exact));
     const double bound = kFarSmaller * converged.leastError;
@@ -224,15 +224,15 @@ class Measuring {
         }
       return least;
     };
-    if (!convergedIsExpected_) watcher_.expect(renderers_[reference()]->info.name, -firstConverged(sweep_));
+    if (!convergedIsExpected_) observer_.expect(renderers_[reference()]->info.name, -firstConverged(sweep_));
     convergedIsExpected_ = true;
     const Converged converged =
         converge(cached(renderThere, key), sweep_.whole, mostSamples(sweep_), leastErrorAgainst, [&](double samples) {
           samples *= double(sweep_.whole.crop.area());
           expected += samples;
-          watcher_.expect(info.name, samples);
+          observer_.expect(info.name, samples);
         });
-    watcher_.expect(info.name, rendered - expected);  // what the cache had
+    observer_.expect(info.name, rendered - expected);  // what the cache had
     return converged;
   }
 
@@ -248,8 +248,8 @@ class Measuring {
     return split;
   }
 
-  Point pointOf(size_t renderer, const Setting& setting, const Split& split, const Converged& converged) const {
-    Point point;
+  SweepPoint pointOf(size_t renderer, const Setting& setting, const Split& split, const Converged& converged) const {
+    SweepPoint point;
     point.renderer = renderer;
     point.setting = setting;
     point.name = renderers_[renderer]->info.name + '-' + settingName(setting, sweep_.whole);
@@ -281,52 +281,33 @@ class Measuring {
   std::vector<std::unique_ptr<Renderer>> renderers_;
   std::unique_ptr<Renderer> rounded_;
   Journal& journal_;
-  Watcher& watcher_;
+  SweepObserver& observer_;
   bool convergedIsExpected_ = false;  // by its own renderer
 };
 
 }  // namespace
 
-double Point::medianSeconds() const {
-  std::vector<double> sorted = seconds;
-  std::sort(sorted.begin(), sorted.end());
-  const size_t half = sorted.size() / 2;
-  return sorted.size() % 2 == 1 ? sorted[half] : (sorted[half - 1] + sorted[half]) / 2;
-}
-
-double Point::fastest() const {
-  return *std::min_element(seconds.begin(), seconds.end());
-}
-
-double Point::slowest() const {
-  return *std::max_element(seconds.begin(), seconds.end());
-}
-
-double Point::efficiency() const {
-  return 1 / (rmse * rmse * medianSeconds());
-}
-
 void expectSweep(const SceneToSweep& sweep, const std::vector<RendererInfo>& renderers, const Journal& journal,
-                 Watcher& watcher) {
+                 SweepObserver& observer) {
   const auto expect = [&](const std::string& renderer, const Setting& setting, int repeats) {
     for (int repeat = 0; repeat < repeats; ++repeat)
       if (!journal.find(pointName(sweep, renderer, setting), repeat))
-        watcher.expect(renderer, samplesIn(settingsWith(sweep.whole, setting, 0)));
+        observer.expect(renderer, samplesIn(settingsWith(sweep.whole, setting, 0)));
   };
   for (const Setting& setting : sweep.settings) {
     for (const RendererInfo& renderer : renderers) expect(renderer.name, setting, sweep.repeats);
     expect("rounded", setting, 1);
   }
   // Who renders the converged picture is not known yet.
-  watcher.expect(renderers.back().name, firstConverged(sweep));
+  observer.expect(renderers.back().name, firstConverged(sweep));
 }
 
 SweptScene measure(const SceneToSweep& sweep, std::vector<std::unique_ptr<Renderer>> renderers, Journal& journal,
-                   Watcher& watcher) {
-  SweptScene result = Measuring(sweep, std::move(renderers), journal, watcher).run();
-  result.told.name = sweep.scene.name;
-  result.told.sources = sweep.scene.sources;
-  result.told.depth = sweep.scene.depth;
+                   SweepObserver& observer) {
+  SweptScene result = Measuring(sweep, std::move(renderers), journal, observer).run();
+  result.summary.name = sweep.scene.name;
+  result.summary.sources = sweep.scene.sources;
+  result.summary.depth = sweep.scene.depth;
   result.path = sweep.path;
   result.stem = sweep.stem;
   result.spheres = sweep.scene.spheres.size();

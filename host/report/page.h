@@ -10,11 +10,8 @@
 namespace turner::report {
 
 // The picture of a point, of a scene by its number.
-using PictureOf = std::function<Image(size_t scene, const Point&)>;
+using PictureOf = std::function<Image(size_t scene, const SweepPoint&)>;
 
 std::string reportPage(const Machine& machine, const std::vector<SweptScene>& scenes, const PictureOf& pictureOf);
-
-// |A - B| by the largest of a pixel's channels, on a logarithmic scale of colours from 1e-4 (dark) to 1 (bright).
-Image colouredError(const Image& a, const Image& b);
 
 }  // namespace turner::report

@@ -1,3 +1,4 @@
+// The reference and the render session behind one interface.
 #include "report/renderers.h"
 
 #include <fmt/format.h>
@@ -7,9 +8,7 @@
 
 #include "base/text_file.h"
 #include "geometry/round_scene.h"
-#include "gpu/prepare.h"
-#include "gpu/renderer.h"
-#include "kernel/buffer_access.h"
+#include "gpu/session.h"
 #include "reference/reference.h"
 
 namespace turner::report {
@@ -55,9 +54,7 @@ class ReferencePictures : public Renderer {
 class ShaderPictures : public Renderer {
  public:
   ShaderPictures(const Scene& scene, const DeviceInfo& device, const std::string& shaders)
-      : scene_(scene),
-        renderer_(device),
-        kernel_(compileGlsl(shaders + "/whitted.comp", accessPreamble(renderer_.access()))) {
+      : scene_(scene), session_(device), kernel_(session_.compile(shaders + "/whitted.comp")) {
     info.name = shortName(device);
     info.device = device.name;
     info.driver = device.driver;
@@ -72,17 +69,18 @@ class ShaderPictures : public Renderer {
   TimedPicture render(const RenderSettings& settings, const Progress& progress) override {
     // The lists of what eye rays meet are made for a number of samples, as the render command makes them.
     if (settings.samples != packedSamples_) {
-      renderer_.upload(prepareScene(scene_, settings));
+      session_.prepare(scene_, settings);
+      session_.upload();
       packedSamples_ = settings.samples;
     }
-    ShaderPicture picture = renderer_.render(kernel_, settings, progress);
+    ShaderPicture picture = session_.render(kernel_, settings, progress);
     throwIfInvalid();
     return {std::move(picture.image), picture.traceSeconds};
   }
 
  private:
   Scene scene_;
-  ShaderRenderer renderer_;
+  RenderSession session_;
   Spirv kernel_;
   int packedSamples_ = 0;
 };

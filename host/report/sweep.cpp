@@ -1,3 +1,4 @@
+// Numbers of samples, depths and weights that are tried, each some steps apart.
 #include "report/sweep.h"
 
 #include <fmt/format.h>

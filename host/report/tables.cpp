@@ -1,3 +1,4 @@
+// Keys and columns in the order of docs: scene, device, setting, times, errors.
 #include "report/tables.h"
 
 #include <fmt/format.h>
@@ -7,11 +8,13 @@
 #include "base/json_writer.h"
 #include "image/figures_json.h"
 #include "image/provenance.h"
+#include "report/figures.h"
+#include "report/findings.h"
 
 namespace turner::report {
 namespace {
 
-void putSeconds(JsonWriter& json, const Point& point) {
+void putSeconds(JsonWriter& json, const SweepPoint& point) {
   json.object("seconds", [&] {
     json.put("median", point.medianSeconds());
     json.put("min", point.fastest());
@@ -22,7 +25,8 @@ void putSeconds(JsonWriter& json, const Point& point) {
   });
 }
 
-void putPoint(JsonWriter& json, const Machine& machine, const SweptScene& scene, const Point& point, bool onFront) {
+void putPoint(JsonWriter& json, const Machine& machine, const SweptScene& scene, const SweepPoint& point,
+              bool onFront) {
   json.object([&] {
     json.put("name", point.name);
     json.put("device", scene.renderers[point.renderer].name);
@@ -77,7 +81,7 @@ void putScene(JsonWriter& json, const Machine& machine, const SweptScene& scene)
   const std::vector<bool> onFront = isOnFront(scene);
   json.object([&] {
     json.put("scene", scene.path);
-    json.put("sha256", scene.told.sources.empty() ? "" : scene.told.sources[0].sha256);
+    json.put("sha256", scene.summary.sources.empty() ? "" : scene.summary.sources[0].sha256);
     json.put("spheres", scene.spheres);
     json.put("triangles", scene.triangles);
     json.put("width", scene.whole.width);
@@ -159,7 +163,7 @@ std::string reportCsv(const Machine& machine, const std::vector<SweptScene>& sce
   for (const SweptScene& scene : scenes) {
     const std::vector<bool> onFront = isOnFront(scene);
     for (size_t i = 0; i < scene.points.size(); ++i) {
-      const Point& p = scene.points[i];
+      const SweepPoint& p = scene.points[i];
       const RendererInfo& renderer = scene.renderers[p.renderer];
       const std::vector<std::string> fields = {field(scene.path),
                                                field(renderer.name),

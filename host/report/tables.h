@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "report/figures.h"
+#include "report/swept_scene.h"
 
 namespace turner::report {
 

@@ -1,13 +1,13 @@
-// Who is told of what happens while a scene and its shaders are watched.
+// Events of watching a scene and its shaders, for whoever prints them.
 #pragma once
 
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "watch/consequences.h"
-#include "watch/diagnosis.h"
-#include "watch/messages.h"
+#include "watch/diagnosis/diagnosis.h"
+#include "watch/process/messages.h"
+#include "watch/version_report.h"
 
 namespace turner::watch {
 
@@ -31,8 +31,8 @@ class WatchListener {
   virtual void onCoarse(int version, double seconds) = 0;
   virtual void onPicture(int version, double seconds, const std::vector<std::string>& changed) = 0;
   // All that is to be known of it; in what was interrupted figures are missing.
-  virtual void onVersion(const Consequences& consequences) = 0;
-  // The picture of the reference is there, for a version that was told before.
+  virtual void onVersion(const VersionReport& report) = 0;
+  // The picture of the reference is there, for a version that was reported before.
   virtual void onReference(int version, const Comparison& comparison) = 0;
   virtual void onRefused(const Refusal& refusal) = 0;
   // A newer save has interrupted a version before it had a picture.

@@ -1,6 +1,6 @@
-// One loop that waits for three things: files that change, answers of the worker, and the time. What a version comes to
-// is decided here; all work on it is done in processes that can be killed: the worker, which renders edited shaders,
-// and one for the reference, which stands still while anything else works.
+// One loop that waits for three things: files that change, answers of the worker, and the time. What becomes of a
+// version is decided in versions.cpp; all work on it is done in processes that can be killed: the worker, which renders
+// edited shaders, and one for the reference, which stands still while anything else works.
 #include "watch/watch.h"
 
 #include <malloc.h>
@@ -8,70 +8,23 @@
 
 #include <algorithm>
 #include <cmath>
-#include <deque>
-#include <filesystem>
-#include <optional>
 #include <utility>
 
 #include "base/errors.h"
 #include "base/stopwatch.h"
 #include "base/text_file.h"
-#include "base/threads.h"
-#include "image/provenance.h"
-#include "kernel/source_names.h"
-#include "watch/kept_versions.h"
-#include "watch/reference_process.h"
-#include "watch/renderer_process.h"
-#include "watch/source_change.h"
-#include "watch/watched_files.h"
-#include "watch/worker.h"
+#include "watch/files/watched_files.h"
+#include "watch/output/kept_versions.h"
+#include "watch/output/pictures.h"
+#include "watch/process/reference_process.h"
+#include "watch/process/renderer_process.h"
+#include "watch/versions.h"
 
 namespace turner::watch {
 namespace {
 
-// Seconds. A coarse picture is not worth showing where the full one follows so soon after the quiet time.
-constexpr double kSoon = 0.1;
-// Where saves come faster than pictures for kLongest, each version gets this long before the next save interrupts it.
-constexpr double kLifetime = 3;
-// The loop has slept so much longer than it wished: the program was stopped.
+// Seconds. poll() overslept by more than this: the process was suspended (SIGSTOP).
 constexpr double kOverslept = 0.5;
-
-// A version whose picture is good.
-struct Good {
-  int version = 0;
-  uint64_t sceneEpoch = 0;
-  std::vector<ShaderSource> sources;
-  std::vector<uint32_t> words;
-  SceneReady scene;
-  Image image;
-  Consequences told;
-};
-
-// A version on its way.
-struct Attempt {
-  int version = 0;
-  uint64_t burst = 0, sceneEpoch = 0;
-  double savedAt = 0, beganAt = 0;
-  std::vector<ShaderSource> sources;
-  std::vector<uint32_t> words;
-  std::deque<Message> answers;          // of the worker, that are not yet looked at
-  std::optional<double> pictureCameAt;  // the first, coarse one
-  std::optional<Refused> refused;       // and its endless loop is being looked for
-  std::optional<SourceLocation> loop;
-  Consequences told;
-  bool isPastCoarse = false;  // the next picture is the full one
-  bool hasPicture = false;    // it is the last good version now
-};
-
-bool haveSameSize(const Image& a, const Image& b) {
-  return a.window == b.window && a.width == b.width && a.height == b.height;
-}
-
-std::string figuresJson(const Consequences& told) {
-  JsonWriter json;
-  json.object([&] { putConsequences(json, told); });
-  return json.text();
-}
 
 // The reason that the system has.
 std::string cannotRead(const std::string& path) try {
@@ -81,433 +34,145 @@ std::string cannotRead(const std::string& path) try {
   return error.what();
 }
 
-class Watching {
+class Watcher : VersionActions {
  public:
-  Watching(const WatchPlan& plan, WatchListener& listener)
-      : plan_(plan), listener_(listener), files_(plan.scene, plan.shaders), renderer_(plan), reference_(plan) {
-    if (!plan.keep.empty()) lastVersion_ = lastKeptVersion(plan.keep);
+  Watcher(const WatchPlan& plan, WatchListener& listener)
+      : plan_(plan),
+        listener_(listener),
+        files_(plan.scene, plan.shaders),
+        renderer_(plan),
+        reference_(plan),
+        versions_(*this, listener, plan.keep.empty() ? 0 : lastKeptVersion(plan.keep)) {
     begin();
   }
 
   [[noreturn]] void run() try {
     for (;;) {
       plan_.throwIfInterrupted();
-      files_.look(now());
-      if (files_.isDue(now())) takeUpChange();
-      hearRenderer();
-      if (attempt_ && isQuiet()) lookAtAnswers();
-      careForProcesses();
-      rest();
+      files_.check(now());
+      if (files_.isDue(now())) applyChange();
+      pollRenderer();
+      versions_.applyAnswers();
+      superviseProcesses();
+      waitForEvents();
     }
   } catch (const Interrupted&) {
     renderer_.end();
     reference_.end();
-    if (attempt_ && attempt_->hasPicture) concludeEarly();
-    if (good_) showGoodAgain();
-    listener_.onStop(good_ ? std::optional(good_->version) : std::nullopt);
+    versions_.stop();
     throw Interrupted("interrupted; watching has ended");
   }
 
  private:
-  double now() const { return clock_.seconds(); }
+  // --- changes --------------------------------------------------------------------------------------------------
 
-  // --- versions -------------------------------------------------------------------------------------------------
-
-  // Files have changed: gives up what is in work for older ones, then begins.
-  void takeUpChange() {
-    if (attempt_ && attempt_->hasPicture) concludeEarly();
-    if (attempt_) {
-      if (isProtected()) return;
-      if (attempt_->burst == files_.burst())
-        repeatsVersion_ = true;  // nothing of it was seen
-      else
-        listener_.onSuperseded(attempt_->version);
-      if (!unseenSince_) unseenSince_ = attempt_->beganAt;
-      files_.forgetTaken();
-      attempt_.reset();
-    }
+  // Cancels what is in work for older files, then begins a version.
+  void applyChange() {
+    if (!versions_.interrupt(files_.burst())) return;
     if (!renderer_.isPreparing() || files_.isSceneStale()) renderer_.cancel(now(), !files_.isSceneStale());
-    // What waits for the worker to give up may itself be overtaken.
-    if (waitingBurst_ && *waitingBurst_ != files_.burst())
-      listener_.onSuperseded(std::exchange(repeatsVersion_, false) ? lastVersion_ : ++lastVersion_);
-    waitingBurst_ = files_.burst();
+    versions_.waitForWorker(files_.burst());
     if (!renderer_.isBusy()) begin();
   }
 
-  // Whoever saves without end shall see a picture now and then.
-  bool isProtected() const {
-    return unseenSince_ && now() > *unseenSince_ + kLongest && now() < attempt_->beganAt + kLifetime;
-  }
-
   void begin() {
-    Attempt& attempt = attempt_.emplace();
-    waitingBurst_.reset();
-    if (!std::exchange(repeatsVersion_, false)) ++lastVersion_;
-    attempt.version = lastVersion_;
-    attempt.burst = files_.burst();
-    attempt.savedAt = files_.lastChange();
-    attempt.beganAt = now();
-    attempt.sources = files_.takeUp();
-    attempt.sceneEpoch = files_.sceneEpoch();
+    Change change;
+    change.burst = files_.burst();
+    change.savedAt = files_.lastChange();
+    change.beganAt = now();
+    change.sources = files_.takeUp();
+    change.sceneEpoch = files_.sceneEpoch();
+    if (!change.sources[0].text) change.unreadable = cannotRead(change.sources[0].path);
     mayPrepare_ = true;
-    Consequences& told = attempt.told;
-    told.version = attempt.version;
-    if (good_) {
-      told.lastGood = good_->version;
-      told.changed = changedFiles(good_->sources, attempt.sources);
-      told.sceneChanged = good_->sceneEpoch != attempt.sceneEpoch;
-    }
-    // A kernel that cannot be read never comes to the worker.
-    if (!attempt.sources[0].text)
-      return answer({.step = Step::compile, .wrongInput = true, .text = cannotRead(attempt.sources[0].path)});
-    Job job;
-    job.purpose = Purpose::render;
-    job.sources = attempt.sources;
-    if (good_) job.goodWords = good_->words;
-    job.goodHasScene = good_ && good_->sceneEpoch == attempt.sceneEpoch;
-    give(std::move(job));
+    versions_.begin(std::move(change));
   }
 
-  void give(Job job) {
+  // --- processes ------------------------------------------------------------------------------------------------
+
+  void pollRenderer() {
+    while (std::optional<Message> message = renderer_.poll(now())) {
+      if (message->kind == SceneReady::kind) {
+        const SceneReady scene = decode<SceneReady>(*message);
+        files_.sceneWasLoaded(scene.sceneEpoch, scene.summary.sources);
+      }
+      // Without a version in work it is of one that was given up, or of a worker that prepares itself.
+      if (!renderer_.isPreparing()) versions_.receive(std::move(*message));
+    }
+    if (versions_.isWorking()) listener_.onProgress(versions_.version(), renderer_.step(), renderer_.share());
+  }
+
+  void superviseProcesses() {
+    if (const std::optional<Refused> loss = renderer_.takeLoss(now())) versions_.receive(encode(*loss));
+    if (isIdle()) {
+      if (std::exchange(hasWorked_, false)) {
+        if (renderer_.hasGrown()) renderer_.end();
+        // Pictures come and go, and the heap keeps their room: of days of editing only the last version shall stay.
+        ::malloc_trim(0);
+      }
+      if (!renderer_.isRunning() && std::exchange(mayPrepare_, false)) submit({.purpose = Purpose::prepare});
+    }
+    hasWorked_ |= versions_.isWorking();
+    superviseReference();
+  }
+
+  bool isIdle() const { return !versions_.isWorking() && !renderer_.isBusy() && !files_.hasChange(); }
+
+  // It works while nothing else does.
+  void superviseReference() {
+    const GoodVersion* good = versions_.good();
+    if (!isIdle() || !good || good->sceneEpoch != files_.sceneEpoch()) return reference_.pause();
+    std::string fault;
+    try {
+      reference_.work(good->sceneEpoch);
+      if (!reference_.poll(fault)) return;
+    } catch (const RunError& error) {
+      fault = error.what();
+    }
+    if (!fault.empty()) return versions_.reportTrouble(good->version, "no reference: " + fault);
+    versions_.applyReference();
+  }
+
+  // --- for the versions -----------------------------------------------------------------------------------------
+
+  double now() const override { return clock_.seconds(); }
+  double quietUntil(uint64_t burst) const override { return burst == files_.burst() ? files_.quietUntil() : 0; }
+
+  void submit(Job job) override {
     job.sceneEpoch = files_.sceneEpoch();
     job.reloadScene = files_.isSceneStale();
     try {
       renderer_.give(std::move(job), now());
     } catch (const RunError& error) {
-      answer({.text = error.what()});
+      versions_.receive(encode(Refused{.text = error.what()}));
     }
   }
 
-  // What the worker would have said.
-  void answer(const Refused& refused) {
-    if (attempt_) attempt_->answers.push_back(encode(refused));
+  std::vector<std::string> show(const Image& image, const SceneReady& scene, bool coarse) override {
+    return writeOutputs(plan_, image, scene, coarse);
   }
-
-  // Results are held until the burst of saves is over: they may be of half a change.
-  double heldUntil() const { return attempt_->burst == files_.burst() ? files_.quietUntil() : 0; }
-  bool isQuiet() const { return now() >= heldUntil(); }
-
-  // --- processes ------------------------------------------------------------------------------------------------
-
-  void hearRenderer() {
-    while (std::optional<Message> message = renderer_.hear(now())) {
-      if (message->kind == SceneReady::kind) {
-        const SceneReady scene = decode<SceneReady>(*message);
-        files_.sceneWasLoaded(scene.sceneEpoch, scene.told.sources);
-      }
-      // Without an attempt it is of one that was given up, or of a worker that prepares itself.
-      if (!attempt_ || renderer_.isPreparing()) continue;
-      if (message->kind == Picture::kind && !attempt_->pictureCameAt) attempt_->pictureCameAt = now();
-      attempt_->answers.push_back(std::move(*message));
-    }
-    if (attempt_) listener_.onProgress(attempt_->version, renderer_.step(), renderer_.share());
+  std::string keep(const GoodVersion& good, const VersionReport& report) override {
+    return plan_.keep.empty() ? "" : keepGood(plan_, good, report);
   }
+  void keepFigures(const VersionReport& report) override { watch::keepFigures(report.kept, versionReportJson(report)); }
+  const Image* reference(uint64_t sceneEpoch) const override { return reference_.image(sceneEpoch); }
 
-  void careForProcesses() {
-    if (const std::optional<Refused> loss = renderer_.takeLoss(now())) answer(*loss);
-    if (isIdle()) {
-      if (std::exchange(hadAttempt_, false)) {
-        if (renderer_.hasGrown()) renderer_.end();
-        // Pictures come and go, and the heap keeps their room: of days of editing only the last version shall stay.
-        ::malloc_trim(0);
-      }
-      if (!renderer_.isRunning() && std::exchange(mayPrepare_, false)) give({.purpose = Purpose::prepare});
-    }
-    hadAttempt_ |= attempt_.has_value();
-    careForReference();
-  }
-
-  bool isIdle() const { return !attempt_ && !renderer_.isBusy() && !files_.hasChange(); }
-
-  // It works while nothing else does.
-  void careForReference() {
-    if (!isIdle() || !good_ || good_->sceneEpoch != files_.sceneEpoch()) return reference_.pause();
-    std::string fault;
-    try {
-      reference_.work(good_->sceneEpoch);
-      if (!reference_.hear(fault)) return;
-    } catch (const RunError& error) {
-      fault = error.what();
-    }
-    if (!fault.empty()) return trouble(good_->version, "no reference: " + fault);
-    compareWithReference(good_->told);
-    if (!good_->told.toReference) return;
-    if (!good_->told.kept.empty()) keepFiguresAgain();
-    listener_.onReference(good_->version, *good_->told.toReference);
-  }
-
-  void keepFiguresAgain() try {
-    keepFigures(good_->told.kept, figuresJson(good_->told));
-  } catch (const RunError& error) {
-    trouble(good_->version, error.what());
-  }
-
-  void compareWithReference(Consequences& told) const {
-    const Image* image = reference_.image(good_->sceneEpoch);
-    if (image && haveSameSize(*image, good_->image)) told.toReference = compareImages(good_->image, *image, kChanged);
-  }
-
-  // --- answers --------------------------------------------------------------------------------------------------
-
-  void lookAtAnswers() {
-    while (attempt_ && !attempt_->answers.empty() && !awaitsFullPicture()) {
-      const Message message = takeAnswer();
-      switch (message.kind) {
-        case SceneReady::kind:
-          look(decode<SceneReady>(message));
-          break;
-        case Compiled::kind:
-          look(decode<Compiled>(message));
-          break;
-        case Picture::kind:
-          look(decode<Picture>(message));
-          break;
-        case LoopFound::kind: {
-          const LoopFound found = decode<LoopFound>(message);
-          attempt_->loop = SourceLocation{found.path, found.line, found.column};
-          break;
-        }
-        case Finished::kind:
-          if (attempt_->refused)
-            refuse(*attempt_->refused);
-          else
-            conclude();
-          break;
-        case Refused::kind:
-          look(decode<Refused>(message));
-          break;
-        default:
-          lookAtFigures(message);
-      }
-    }
-  }
-
-  Message takeAnswer() {
-    Message message = std::move(attempt_->answers.front());
-    attempt_->answers.pop_front();
-    return message;
-  }
-
-  bool hasPictureIn(std::deque<Message>::const_iterator from) const {
-    return std::any_of(from, attempt_->answers.end(),
-                       [](const Message& message) { return message.kind == Picture::kind; });
-  }
-
-  // Whether next is a coarse picture of a scene that renders in a blink.
-  bool awaitsFullPicture() const {
-    const auto first = attempt_->answers.begin();
-    const double soon = heldUntil() + kSoon;
-    return good_ && first->kind == Picture::kind && !attempt_->isPastCoarse && now() < soon &&
-           *attempt_->pictureCameAt + good_->told.trace < soon && !hasPictureIn(first + 1);
-  }
-
-  void look(const SceneReady& scene) {
-    if (attempt_->refused) return;  // only to look for its loop
-    attempt_->told.scene = scene;
-    if (!good_ || attempt_->told.sceneChanged) listener_.onScene(scene);
-  }
-
-  void look(const Compiled& compiled) {
-    Consequences& told = attempt_->told;
-    told.glslang = compiled.glslangSeconds;
-    told.optimiser = compiled.optimiserSeconds;
-    told.check = compiled.checkSeconds;
-    told.code = compareInstructions(good_ ? good_->words : std::vector<uint32_t>(), compiled.words);
-    attempt_->words = compiled.words;
-    files_.compilerRead(compiled.files);
-    if (!compiled.sameAsGood) return;
-    told.sameCode = true;
-    told.rays = good_->told.rays;
-    told.trace = good_->told.trace;
-    takePicture(good_->image);
-  }
-
-  void look(Picture picture) {
-    Consequences& told = attempt_->told;
-    told.pipeline += picture.pipelineSeconds;
-    attempt_->isPastCoarse = true;
-    if (picture.coarse) {
-      if (hasPictureIn(attempt_->answers.begin())) return;  // the full one
-      show(picture.image, told.scene, attempt_->version, true);
-      told.toCoarse = now() - attempt_->savedAt;
-      listener_.onCoarse(attempt_->version, *told.toCoarse);
-      return;
-    }
-    told.trace = picture.traceSeconds;
-    told.readback = picture.readbackSeconds;
-    takePicture(std::move(picture.image));
-  }
-
-  // The attempt is the last good version from here on.
-  void takePicture(Image image) {
-    Attempt& attempt = *attempt_;
-    Consequences& told = attempt.told;
-    show(image, told.scene, attempt.version, false);
-    told.toPicture = now() - attempt.savedAt;
-    listener_.onPicture(attempt.version, told.toPicture, told.changed);
-    if (good_) {
-      if (haveSameSize(image, good_->image)) told.toLastGood = compareImages(image, good_->image, kChanged);
-      if (good_->sceneEpoch == attempt.sceneEpoch) told.lastGoodTrace = good_->told.trace;
-      told.lastGoodRays = good_->told.rays;
-    }
-    Good& good = good_.emplace();
-    good.version = attempt.version;
-    good.sceneEpoch = attempt.sceneEpoch;
-    good.sources = attempt.sources;
-    good.words = attempt.words;
-    good.scene = told.scene;
-    good.image = std::move(image);
-    compareWithReference(told);
-    good.told = told;
-    attempt.hasPicture = true;
-    unseenSince_.reset();
-  }
-
-  void lookAtFigures(const Message& message) {
-    if (message.kind == Timing::kind) attempt_->told.timing = decode<Timing>(message);
-    if (message.kind == Counted::kind) attempt_->told.rays = decode<Counted>(message).rays;
-  }
-
-  // All that there will be is known of the version.
-  void conclude() {
-    Consequences& told = attempt_->told;
-    if (!told.toReference) compareWithReference(told);
-    if (!plan_.keep.empty()) keep(told);
-    good_->told = told;
-    listener_.onVersion(told);
-    attempt_.reset();
-  }
-
-  // A version with a picture is given up: what has come is all.
-  void concludeEarly() {
-    while (!attempt_->answers.empty()) lookAtFigures(takeAnswer());
-    if (attempt_->refused)
-      refuse(*attempt_->refused);
-    else
-      conclude();
-  }
-
-  void look(const Refused& refused) {
-    if (attempt_->refused) return refuse(*attempt_->refused);  // the search has found nothing
-    if (refused.endless || refused.unfinished || (refused.hung && refused.step >= Step::pipeline)) {
-      attempt_->refused = refused;
-      Job job;
-      job.purpose = Purpose::findLoop;
-      job.hung = refused.hung;
-      job.sources = attempt_->sources;
-      return give(std::move(job));
-    }
-    // What no edit can mend.
-    if (!good_ && refused.step == Step::open) {
-      if (refused.wrongInput) throw InputError(refused.text);
-      throw RunError(refused.text);
-    }
-    refuse(refused);
-  }
-
-  // What to say of a refusal, with the place of the fault where it can be told.
-  std::string reasonOf(const Refused& refused, bool isEndless) const {
-    const Attempt& attempt = *attempt_;
-    const std::string text = (isEndless ? "endless loop: " : "") + refused.text;
-    if (refused.wrongInput) return text;
-    if (attempt.loop) return faultAt(*attempt.loop) + text + "; this loop made too many turns";
-    if (!good_ || attempt.hasPicture) return text;
-    const std::optional<SourceLocation> location = likelyLocation(good_->sources, attempt.sources);
-    return location ? faultAt(*location) + text + "; likely by what was changed here" : text;
-  }
-
-  // Ends the attempt without a picture; or without all figures, if it has one.
-  void refuse(const Refused& refused) {
-    Attempt& attempt = *attempt_;
-    const bool isEndless = attempt.loop || refused.endless || (refused.hung && runsKernel(refused.step));
-    const std::string reason = reasonOf(refused, isEndless);
-    if (refused.step == Step::scene) files_.sceneWasRefused();
-    if (!refused.wrongInput) files_.forgetTaken();  // the machine may do better next time
-    if (attempt.hasPicture) {
-      trouble(attempt.version, reason);
-      return conclude();
-    }
-    Refusal refusal;
-    refusal.version = attempt.version;
-    if (good_) refusal.lastGood = good_->version;
-    refusal.seconds = now() - attempt.savedAt;
-    refusal.step = refused.step;
-    refusal.endless = isEndless;
-    refusal.diagnoses = readDiagnoses(reason, attempt.sources);
-    attempt_.reset();
-    unseenSince_.reset();
-    if (good_) showGoodAgain();
-    listener_.onRefused(refusal);
-  }
-
-  void trouble(int version, const std::string& text) { listener_.onTrouble(version, readDiagnoses(text, {})); }
-
-  // --- pictures -------------------------------------------------------------------------------------------------
-
-  Provenance provenanceOf(const SceneReady& scene) const {
-    return makeProvenance(scene.told, scene.settings, "--backend shader --geometry rounded", scene.device,
-                          scene.driver);
-  }
-
-  void show(const Image& image, const SceneReady& scene, int version, bool coarse) {
-    Provenance provenance = provenanceOf(scene);
-    if (coarse) provenance.strings.emplace_back("turner:coarse", std::to_string(kCoarseStride));
-    std::vector<std::string> faults(plan_.outputs.size());
-    onAllCores(plan_.outputs.size(), [&](size_t i) {
-      try {
-        plan_.writePicture(plan_.outputs[i], image, provenance);
-      } catch (const std::runtime_error& error) {
-        faults[i] = error.what();
-      }
-    });
-    showsGood_ = !coarse;
-    for (const std::string& fault : faults) {
-      if (fault.empty()) continue;
-      showsGood_ = false;
-      if (!coarse) trouble(version, fault);
-    }
-  }
-
-  // A coarse picture of what came to nothing does not stay.
-  void showGoodAgain() {
-    if (!showsGood_) show(good_->image, good_->scene, good_->version, false);
-  }
-
-  void keep(Consequences& told) {
-    KeptVersion version;
-    version.sources = good_->sources;
-    try {
-      version.picture = encodeExr(good_->image, provenanceOf(good_->scene));
-      version.sceneText = readRegularFile(plan_.scene);
-      // What was changed since is no part of this version.
-      if (sha256Hex(version.sceneText) == good_->scene.told.sources.at(0).sha256)
-        version.sceneName = std::filesystem::path(plan_.scene).filename().string();
-      version.figures = figuresJson(told);
-      told.kept = keepVersion(plan_.keep, told.version, version);
-    } catch (const std::runtime_error& error) {
-      trouble(told.version, error.what());
-    }
-  }
+  void compilerRead(const std::vector<std::string>& files) override { files_.compilerRead(files); }
+  void sceneWasRefused() override { files_.sceneWasRefused(); }
+  void forgetTaken() override { files_.forgetTaken(); }
 
   // --- waiting --------------------------------------------------------------------------------------------------
 
   // Until something comes, or the next moment at which something is due.
-  void rest() {
+  void waitForEvents() {
+    if (versions_.hasAnswersDue()) return;
     double until = std::min(now() + files_.pollMilliseconds() * 1e-3, renderer_.nextDecision());
     const auto wakeAt = [&](double time) {
       if (time > now()) until = std::min(until, time);
     };
     if (files_.hasChange()) {
       wakeAt(files_.lastChange() + kBreath);
-      if (attempt_) wakeAt(attempt_->beganAt + kLifetime);
+      if (versions_.isWorking()) wakeAt(versions_.protectedUntil());
     }
-    if (attempt_) {
-      wakeAt(heldUntil());
-      if (isQuiet() && !attempt_->answers.empty()) {
-        if (!awaitsFullPicture()) return;
-        wakeAt(heldUntil() + kSoon);
-      }
-    }
+    wakeAt(versions_.nextDecision());
     pollfd waits[3];
     nfds_t count = 0;
     const auto waitFor = [&](int descriptor, int events) {
@@ -528,16 +193,9 @@ class Watching {
   WatchedFiles files_;
   RendererProcess renderer_;
   ReferenceProcess reference_;
+  Versions versions_;
   bool mayPrepare_ = false;  // a worker, for want of one: once after each version
-
-  int lastVersion_ = 0;
-  std::optional<Attempt> attempt_;
-  bool hadAttempt_ = false;
-  bool repeatsVersion_ = false;           // the next attempt is of the same version
-  std::optional<uint64_t> waitingBurst_;  // of the change that waits for the worker
-  std::optional<double> unseenSince_;     // attempts have come to nothing, because of newer saves
-  std::optional<Good> good_;
-  bool showsGood_ = false;  // the pictures on disk are those of the last good version
+  bool hasWorked_ = false;   // on a version, since the last idle moment
 };
 
 }  // namespace
@@ -546,7 +204,7 @@ void watch(const WatchPlan& plan, WatchListener& listener) {
   // Whatever is as large as a kernel or a picture goes back to the system when it is freed: glibc begins with this
   // threshold, but would raise it by and by, take such blocks from its heap, and leave holes there.
   ::mallopt(M_MMAP_THRESHOLD, 128 << 10);
-  Watching(plan, listener).run();
+  Watcher(plan, listener).run();
 }
 
 }  // namespace turner::watch

@@ -7,7 +7,8 @@
 namespace turner::watch {
 
 // Goes on until plan.throwIfInterrupted throws, and lets that pass. Before the first picture it throws what no edit can
-// mend: a device that is not there (InputError, RunError). For a process without other threads: it forks.
+// mend: a device that is not there (InputError, RunError). Precondition: the process is single-threaded, because
+// this forks.
 [[noreturn]] void watch(const WatchPlan& plan, WatchListener& listener);
 
 }  // namespace turner::watch

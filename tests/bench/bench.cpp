@@ -26,6 +26,7 @@
 #include "accel/bvh.h"
 #include "base/errors.h"
 #include "base/output_file.h"
+#include "base/spread.h"
 #include "base/text_file.h"
 #include "bench/embree_tracer.h"
 #include "bench/price.h"
@@ -39,7 +40,6 @@
 #include "support/agreement.h"
 #include "support/bumpy_spheres.h"
 #include "support/json_file.h"
-#include "support/spread.h"
 #include "support/temporary_folder.h"
 
 namespace turner::test {

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "accel/bvh.h"
+#include "base/spread.h"
 #include "bench/price_failures.h"
 #include "geometry/prepared_geometry.h"
 #include "geometry/round_scene.h"
@@ -17,7 +18,6 @@
 #include "kernel/compile.h"
 #include "support/json_file.h"
 #include "support/shader_variant.h"
-#include "support/spread.h"
 
 namespace turner::test {
 namespace {

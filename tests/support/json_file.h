@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "base/spread.h"
 #include "image/settings.h"
-#include "support/spread.h"
 
 namespace turner::test {
 

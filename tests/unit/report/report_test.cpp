@@ -13,7 +13,9 @@
 #include "base/errors.h"
 #include "image/converged.h"
 #include "report/chart.h"
+#include "report/error_colours.h"
 #include "report/figures.h"
+#include "report/findings.h"
 #include "report/journal.h"
 #include "report/page.h"
 #include "report/sweep.h"
@@ -81,7 +83,7 @@ SweptScene measured(const std::vector<std::pair<Sampler, Law>>& laws, const std:
                      {.name = "reference", .options = "--backend reference"}};
   for (const int n : numbers)
     for (const auto& [sampler, law] : laws) {
-      Point point;
+      SweepPoint point;
       point.setting = {sampler, n, 5, 0};
       point.name = "device-" + settingName(point.setting, scene.whole);
       point.rmse = law.factor * std::pow(double(n) * n, law.slope);
@@ -133,7 +135,7 @@ TEST(Figures, FirstSettingBelowAnErrorIsOneThatExists) {
 TEST(Figures, FurthestCutOffThatLosesLittleIsTold) {
   SweptScene scene = measured({{Sampler::sobol, {0.02, -0.5, 1}}}, {1, 4});
   for (int depth = 1; depth < 5; ++depth) {
-    Point point = scene.points[1];
+    SweepPoint point = scene.points[1];
     point.setting.depth = depth;
     point.sampling.rmse = 0.005;
     point.cutOff.rmse = 0.008 / (depth * depth);
@@ -190,7 +192,7 @@ TEST(Figures, DifferencesOfNoiseAreNoLead) {
 TEST(Figures, AFasterDeviceLeadsWhereverItsCurveEnds) {
   SweptScene scene = measured({{Sampler::sobol, {0.1, -0.5, 0.01}}});
   SweptScene slow = measured({{Sampler::sobol, {0.1, -0.5, 1}}});
-  for (Point& point : slow.points) {
+  for (SweepPoint& point : slow.points) {
     point.renderer = 1;
     scene.points.push_back(point);
   }
@@ -198,7 +200,7 @@ TEST(Figures, AFasterDeviceLeadsWhereverItsCurveEnds) {
               testing::Contains("For the same pictures device takes 0.01 times as long as reference."));
   EXPECT_THAT(findings(scene), testing::Contains("sobol on device is faster than sobol on reference from 1x1 to 8x8."));
   // Times that scatter into one another are no lead.
-  for (Point& point : scene.points) point.seconds = {0.001, point.seconds[0], 1000};
+  for (SweepPoint& point : scene.points) point.seconds = {0.001, point.seconds[0], 1000};
   EXPECT_TRUE(leadsOf(scene, curvesOf(scene)[0], curvesOf(scene)[1], Figure::seconds).empty());
 }
 
@@ -242,7 +244,7 @@ TEST(Figures, CommandsAreQuotedForAShell) {
 }
 
 TEST(Figures, MedianOfAnEvenNumberIsBetween) {
-  Point point;
+  SweepPoint point;
   point.seconds = {4, 1, 2, 30};
   EXPECT_EQ(point.medianSeconds(), 3);
   point.rmse = 0.5;
@@ -416,7 +418,7 @@ TEST(Chart, EscapesWhatItIsGivenAndLeavesOutWhatHasNoLogarithm) {
   Chart chart{"a < b & 'c'", "x", "y", {}, {}, "", {}};
   chart.series = {
       {.name = "<script>",
-       .marks = {{1, 1, "one", "1", "", false}, {2, 0, "none", "2", "", false}, {10, 0.1, "three", "3", "", true}}}};
+       .points = {{1, 1, "one", "1", "", false}, {2, 0, "none", "2", "", false}, {10, 0.1, "three", "3", "", true}}}};
   const std::string svg = svgOf(chart);
   EXPECT_THAT(svg, HasSubstr("&lt;script&gt;"));
   EXPECT_THAT(svg, HasSubstr("a &lt; b &amp; &#39;c&#39;"));
@@ -438,7 +440,7 @@ size_t countOf(const std::string& text, const std::string& part) {
 
 TEST(Chart, OfASinglePointHasAxes) {
   Chart chart;
-  chart.series = {{.name = "s", .marks = {{0.0345, 0.0345, "l", "i", "", false}}}};
+  chart.series = {{.name = "s", .points = {{0.0345, 0.0345, "l", "i", "", false}}}};
   const std::string svg = svgOf(chart);
   EXPECT_THAT(svg, Not(HasSubstr("nan")));
   EXPECT_GE(countOf(svg, "text-anchor='end'"), 2u);  // numbers at the axis of y
@@ -446,7 +448,7 @@ TEST(Chart, OfASinglePointHasAxes) {
 
 TEST(Chart, GrowsWithItsLegend) {
   Chart chart;
-  for (int i = 0; i < 40; ++i) chart.series.push_back({.name = "s", .marks = {{1, 1, "l", "i", "", false}}});
+  for (int i = 0; i < 40; ++i) chart.series.push_back({.name = "s", .points = {{1, 1, "l", "i", "", false}}});
   EXPECT_THAT(svgOf(chart), HasSubstr("viewBox='0 0 860 854'"));
 }
 

@@ -3,8 +3,8 @@
 
 #include <thread>
 
-#include "watch/channel.h"
-#include "watch/messages.h"
+#include "watch/process/channel.h"
+#include "watch/process/messages.h"
 
 namespace turner::watch {
 namespace {
@@ -38,18 +38,18 @@ TEST(Messages, OfEveryKindComeOutAsTheyWentIn) {
 
   SceneReady ready;
   ready.job = 3;
-  ready.told.name = "spheres";
-  ready.told.camera.fov = 33;
-  ready.told.sources = {{"spheres.json", "abc"}, {"bunny.obj", "def"}};
-  ready.told.notes = {"no lights", ""};
+  ready.summary.name = "spheres";
+  ready.summary.camera.fov = 33;
+  ready.summary.sources = {{"spheres.json", "abc"}, {"bunny.obj", "def"}};
+  ready.summary.notes = {"no lights", ""};
   ready.settings.samples = 5;
   ready.uploadSeconds = 0.25;
   const SceneReady scene = decode<SceneReady>(encode(ready));
-  EXPECT_EQ(scene.told.name, "spheres");
-  EXPECT_EQ(scene.told.camera.fov, 33);
-  EXPECT_EQ(scene.told.sources.at(1).path, "bunny.obj");
-  EXPECT_EQ(scene.told.sources.at(1).sha256, "def");
-  EXPECT_EQ(scene.told.notes, ready.told.notes);
+  EXPECT_EQ(scene.summary.name, "spheres");
+  EXPECT_EQ(scene.summary.camera.fov, 33);
+  EXPECT_EQ(scene.summary.sources.at(1).path, "bunny.obj");
+  EXPECT_EQ(scene.summary.sources.at(1).sha256, "def");
+  EXPECT_EQ(scene.summary.notes, ready.summary.notes);
   EXPECT_EQ(scene.settings.samples, 5);
   EXPECT_EQ(scene.uploadSeconds, 0.25);
 

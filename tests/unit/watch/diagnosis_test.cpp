@@ -6,7 +6,7 @@
 
 #include "base/errors.h"
 #include "kernel/compile.h"
-#include "watch/diagnosis.h"
+#include "watch/diagnosis/diagnosis.h"
 
 namespace turner::watch {
 namespace {

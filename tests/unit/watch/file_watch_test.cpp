@@ -1,6 +1,6 @@
 // Changes of watched files are told, however an editor makes them. Every test but the last few runs twice: woken by
 // inotify, and by looking alone.
-#include "watch/file_watch.h"
+#include "watch/files/file_watch.h"
 
 #include <fcntl.h>
 #include <gmock/gmock.h>

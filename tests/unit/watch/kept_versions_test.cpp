@@ -8,7 +8,7 @@
 #include "base/errors.h"
 #include "base/text_file.h"
 #include "support/temporary_folder.h"
-#include "watch/kept_versions.h"
+#include "watch/output/kept_versions.h"
 
 namespace turner::watch {
 namespace {

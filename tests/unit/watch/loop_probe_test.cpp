@@ -1,5 +1,5 @@
 // The probe's kernel tells which loop never ends, and changes nothing else. Loops are planted in copies of the shaders.
-#include "watch/loop_probe.h"
+#include "watch/diagnosis/loop_probe.h"
 
 #include <gmock/gmock.h>
 

@@ -1,5 +1,5 @@
 // Where an edit is likely to have put an endless loop.
-#include "watch/source_change.h"
+#include "watch/diagnosis/source_change.h"
 
 #include <gmock/gmock.h>
 

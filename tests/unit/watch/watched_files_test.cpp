@@ -9,7 +9,7 @@
 
 #include "base/text_file.h"
 #include "support/temporary_folder.h"
-#include "watch/watched_files.h"
+#include "watch/files/watched_files.h"
 
 namespace turner::watch {
 namespace {
@@ -33,7 +33,7 @@ class WatchedFilesTest : public testing::Test {
   }
   // At a time, after a save: whether there is a change, when its steps are over.
   bool changedAt(double time) {
-    files_->look(time);
+    files_->check(time);
     return files_->isDue(time + kBreath);
   }
 
@@ -44,7 +44,7 @@ class WatchedFilesTest : public testing::Test {
 TEST_F(WatchedFilesTest, AnEditedSourceIsAChange) {
   EXPECT_FALSE(changedAt(10));
   write("shade.glsl", "// edited\n");
-  files_->look(20);
+  files_->check(20);
   EXPECT_FALSE(files_->isDue(20 + kBreath / 2)) << "the save may not be over";
   EXPECT_TRUE(files_->isDue(20 + kBreath));
   EXPECT_EQ(files_->lastChange(), 20);
@@ -62,7 +62,7 @@ TEST_F(WatchedFilesTest, ASaveWithoutAChangeIsNone) {
 
 TEST_F(WatchedFilesTest, AChangeThatWasTakenBackIsNone) {
   write("shade.glsl", "// edited\n");
-  files_->look(10);
+  files_->check(10);
   write("shade.glsl", "// shading\n");
   EXPECT_FALSE(changedAt(10.01));
 }
@@ -80,14 +80,14 @@ TEST_F(WatchedFilesTest, TheTextOfAVersionThatWasGivenUpIsAChangeAgain) {
 
 TEST_F(WatchedFilesTest, SavesWithoutQuietBetweenThemAreOneBurst) {
   write("shade.glsl", "// 1\n");
-  files_->look(10);
+  files_->check(10);
   const uint64_t burst = files_->burst();
   write("whitted.comp", "#include \"shade.glsl\"\n");
-  files_->look(10.19);
+  files_->check(10.19);
   EXPECT_EQ(files_->burst(), burst);
   EXPECT_DOUBLE_EQ(files_->quietUntil(), 10.19 + kQuiet);
   write("shade.glsl", "// 2\n");
-  files_->look(10.19 + kQuiet);
+  files_->check(10.19 + kQuiet);
   EXPECT_NE(files_->burst(), burst);
 }
 
@@ -95,7 +95,7 @@ TEST_F(WatchedFilesTest, ABurstComesToAnEnd) {
   double time = 10;
   for (int i = 0; time < 10 + kLongest; ++i, time += 0.1) {
     write("shade.glsl", "// " + std::to_string(i));
-    files_->look(time);
+    files_->check(time);
     if (i % 2 == 0) files_->takeUp();  // work on it makes no new burst
   }
   EXPECT_DOUBLE_EQ(files_->quietUntil(), 10 + kLongest);
@@ -174,7 +174,7 @@ TEST_F(WatchedFilesTest, AKernelThatIsGoneHasNoText) {
 
 TEST_F(WatchedFilesTest, AnIncludeThatOnlyTheCompilerFindsIsFollowed) {
   write("odd.glsl", "// by a path that is put together\n");
-  files_->look(9);
+  files_->check(9);
   files_->compilerRead({in("whitted.comp"), in("odd.glsl")});
   EXPECT_FALSE(changedAt(10));
   write("odd.glsl", "// edited\n");

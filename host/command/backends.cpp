@@ -1,0 +1,112 @@
+// Shader: rounded, packed, uploaded, dispatched, read back. Reference: traced on the host.
+#include "command/backends.h"
+
+#include <fmt/format.h>
+
+#include <functional>
+#include <utility>
+
+#include "base/stopwatch.h"
+#include "command/data_folder.h"
+#include "command/device_choice.h"
+#include "command/interrupt.h"
+#include "command/progress_line.h"
+#include "geometry/round_scene.h"
+#include "kernel/buffer_access.h"
+#include "reference/reference.h"
+#include "scene/scene_load.h"
+
+namespace turner {
+
+Scene loadAndPrint(const RenderOptions& options) {
+  const std::string path = findScene(options.scene);
+  Scene scene = loadScene(path);
+  if (!options.quiet) {
+    fmt::print("scene: {} ({} spheres, {} triangles, {} lights)\n", path, scene.spheres.size(), scene.triangles.size(),
+               scene.lights.size());
+    for (const std::string& note : scene.notes) fmt::print("note: {}\n", note);
+  }
+  return scene;
+}
+
+double sampleCount(const RenderSettings& settings) {
+  return double(settings.crop.area()) * settings.samples * settings.samples;
+}
+
+UploadedScene::UploadedScene(Scene scene, const RenderSettings& settings, const RenderOptions& options)
+    : quiet_(options.quiet),
+      session_(chooseDeviceFor(options.device), options.access,
+               {.tile = options.tile, .workGroup = options.workGroup}) {
+  const DeviceInfo& device = session_.device();
+  if (!quiet_)
+    fmt::print("device: {}: {} ({}, {}), fetching {}\n", device.index, device.name, device.type, device.driver,
+               accessName(session_.access()));
+  session_.prepare(std::move(scene), settings);
+  throwIfInterrupted();
+  kernel_ = session_.compile(shaderFolder(options.shaders) + "/whitted.comp");
+  throwIfInterrupted();
+  session_.upload();
+}
+
+Image UploadedScene::render(const RenderSettings& settings, const char* what) {
+  ProgressLine progress(what, sampleCount(settings), quiet_);
+  return session_.render(kernel_, settings, std::ref(progress)).image;
+}
+
+void UploadedScene::countRays(const RenderSettings& settings) {
+  ProgressLine progress("counting rays", sampleCount(settings), quiet_);
+  visits_ = session_.countVisits(kernel_, settings, std::ref(progress));
+}
+
+Stats UploadedScene::stats() const {
+  Stats stats;
+  stats.backend = "shader";
+  stats.geometry = "rounded";  // the kernel has no other
+  stats.device = session_.device();
+  stats.access = accessName(session_.access());
+  const StepSeconds& seconds = session_.seconds();
+  stats.seconds.build = seconds.build;
+  stats.seconds.compile = seconds.compile;
+  stats.seconds.upload = seconds.upload;
+  stats.seconds.trace = seconds.trace;
+  stats.seconds.readback = seconds.readback;
+  stats.treeNodes = session_.tree().nodes;
+  stats.treeDepth = session_.tree().depth;
+  stats.geometryBytes = session_.tree().bytes;
+  stats.visits = visits_;
+  stats.rays = visits_.rays;
+  return stats;
+}
+
+Rendered renderWithShader(Scene scene, const RenderSettings& settings, const RenderOptions& options, bool countRays) {
+  UploadedScene uploaded(std::move(scene), settings, options);
+  Rendered result;
+  result.image = uploaded.render(settings);
+  if (countRays) uploaded.countRays(settings);
+  result.stats = uploaded.stats();
+  return result;
+}
+
+Scene geometryOf(const Scene& scene, const RenderOptions& options) {
+  return options.geometry == Geometry::rounded ? roundScene(scene) : scene;
+}
+
+Rendered renderWithReference(const Scene& scene, const RenderSettings& settings, const RenderOptions& options) {
+  Rendered result;
+  Stats& stats = result.stats;
+  stats.backend = "reference";
+  stats.geometry = options.geometry == Geometry::rounded ? "rounded" : "exact";
+  stats.device.name = "reference";
+  stats.device.driver = "double precision";
+  stats.device.type = "CPU";
+
+  Stopwatch watch;
+  ProgressLine progress("reference", sampleCount(settings), options.quiet);
+  ReferencePicture picture = renderReference(geometryOf(scene, options), settings, std::ref(progress));
+  stats.seconds.trace = watch.lap();
+  stats.rays = picture.rays;
+  result.image = std::move(picture.image);
+  return result;
+}
+
+}  // namespace turner

@@ -1,0 +1,48 @@
+// Pictures of a scene by either backend, with a progress line and Ctrl-C.
+#pragma once
+
+#include "command/command_line.h"
+#include "command/stats.h"
+#include "gpu/session.h"
+#include "image/image.h"
+#include "scene/scene.h"
+
+namespace turner {
+
+// Loads the scene of the options and prints what it has, unless they say quiet. Throws InputError.
+Scene loadAndPrint(const RenderOptions& options);
+
+// All samples of a picture.
+double sampleCount(const RenderSettings& settings);
+
+// What either backend hands to the writers.
+struct Rendered {
+  Image image;
+  Stats stats;
+};
+
+// A scene and its kernel on the device of the options. All calls throw Interrupted after Ctrl-C.
+class UploadedScene {
+ public:
+  // Opens the device, prepares the scene, compiles the kernel and uploads.
+  UploadedScene(Scene scene, const RenderSettings& settings, const RenderOptions& options);
+
+  // `what` names the work on the progress line.
+  Image render(const RenderSettings& settings, const char* what = "tracing");
+  void countRays(const RenderSettings& settings);
+  Stats stats() const;
+
+ private:
+  bool quiet_;
+  RenderSession session_;
+  Spirv kernel_;
+  Visits visits_;
+};
+
+Rendered renderWithShader(Scene scene, const RenderSettings& settings, const RenderOptions& options, bool countRays);
+Rendered renderWithReference(const Scene& scene, const RenderSettings& settings, const RenderOptions& options);
+
+// What the reference traces: the scene as it is or, by --geometry, rounded as the kernel has it.
+Scene geometryOf(const Scene& scene, const RenderOptions& options);
+
+}  // namespace turner

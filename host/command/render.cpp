@@ -1,0 +1,83 @@
+// `turner render`: load, render by either backend, write.
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "base/errors.h"
+#include "base/output_file.h"
+#include "base/stopwatch.h"
+#include "command/backends.h"
+#include "command/commands.h"
+#include "command/data_folder.h"
+#include "command/interrupt.h"
+#include "command/outputs.h"
+#include "image/provenance.h"
+#include "scene/scene_load.h"
+
+namespace turner {
+namespace {
+
+// Summary of a scene whose geometry has gone into the renderer.
+Scene withoutGeometry(const Scene& scene) {
+  Scene rest;
+  rest.name = scene.name;
+  rest.camera = scene.camera;
+  rest.sources = scene.sources;
+  return rest;
+}
+
+}  // namespace
+
+int runRender(const RenderOptions& options) {
+  Stopwatch total, watch;
+  if (options.scene.empty()) throw InputError("the name of the scene is empty");
+  std::vector<std::string> outputs = options.outputs;
+  if (outputs.empty()) outputs = {defaultOutput(options.scene)};
+  for (const std::string& output : outputs) checkOutput(output, true);
+  std::vector<std::string> files = outputs;
+  if (!options.stats.empty()) {
+    checkWritable(options.stats);
+    files.push_back(options.stats);
+  }
+  refuseRepeated(files);
+
+  Scene scene = loadAndPrint(options);
+  refuseOverwriting(files, filesOf(findScene(options.scene), scene.sources));
+  const RenderSettings settings = settingsFor(scene, options);
+  const double loadSeconds = watch.lap();
+  throwIfInterrupted();
+
+  const Scene summary = withoutGeometry(scene);
+  const size_t spheres = scene.spheres.size(), triangles = scene.triangles.size();
+  Rendered rendered = options.backend == Backend::shader
+                          ? renderWithShader(std::move(scene), settings, options, !options.stats.empty())
+                          : renderWithReference(scene, settings, options);
+  throwIfInvalid();
+  Stats& stats = rendered.stats;
+  const Provenance provenance =
+      makeProvenance(summary, settings, "--backend " + stats.backend + " --geometry " + stats.geometry,
+                     stats.device.name, stats.device.driver);
+  throwIfInterrupted();
+  for (const std::string& output : outputs) {
+    writePicture(output, rendered.image, provenance);
+    if (!options.quiet) fmt::print("wrote {}\n", output);
+  }
+
+  stats.scene = options.scene;
+  stats.settings = settings;
+  stats.spheres = spheres;
+  stats.triangles = triangles;
+  stats.seconds.load = loadSeconds;
+  stats.seconds.total = total.lap();
+  if (!options.stats.empty()) writeWholeFile(options.stats, statsJson(stats));
+  if (!options.quiet) {
+    fmt::print("traced in {:.3f} s, all in {:.3f} s", stats.seconds.trace, stats.seconds.total);
+    if (stats.rays.total() > 0)
+      fmt::print(": {} rays, {:.3g} Mray/s", stats.rays.total(),
+                 double(stats.rays.total()) / stats.seconds.trace * 1e-6);
+    fmt::print("\n");
+  }
+  return 0;
+}
+
+}  // namespace turner

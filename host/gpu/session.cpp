@@ -1,0 +1,67 @@
+// Each step is one call; what is added here is its time.
+#include "gpu/session.h"
+
+#include <utility>
+
+#include "base/stopwatch.h"
+#include "gpu/prepare.h"
+
+namespace turner {
+
+RenderSession::RenderSession(DeviceInfo device, BufferAccess access, Dispatching dispatching)
+    : device_(std::move(device)), renderer_(device_, access), dispatching_(std::move(dispatching)) {}
+
+void RenderSession::prepare(Scene scene, const RenderSettings& settings) {
+  Stopwatch watch;
+  packed_ = {};  // of a large scene no two are kept
+  packed_ = prepareScene(std::move(scene), settings);
+  tree_ = {.nodes = packed_.nodes.size(), .bytes = packed_.bytes(), .depth = packed_.treeDepth};
+  seconds_.build = watch.lap();
+}
+
+void RenderSession::upload() {
+  Stopwatch watch;
+  {
+    const PackedScene packed = std::exchange(packed_, {});
+    renderer_.upload(packed);
+  }
+  seconds_.upload = watch.lap();
+}
+
+Spirv RenderSession::compile(const std::string& path) {
+  Stopwatch watch;
+  Spirv kernel = compileGlsl(path, accessPreamble(access()));
+  seconds_.compile += watch.lap();
+  return kernel;
+}
+
+Spirv RenderSession::compile(const std::vector<ShaderSource>& sources) {
+  Stopwatch watch;
+  Spirv kernel = compileGlsl(sources, accessPreamble(access()));
+  seconds_.compile += watch.lap();
+  return kernel;
+}
+
+ShaderPicture RenderSession::render(const Spirv& kernel, const RenderSettings& settings, const Progress& progress) {
+  return timed(renderer_.render(kernel, settings, progress, dispatching_));
+}
+
+ShaderPicture RenderSession::renderCoarse(const Spirv& kernel, const RenderSettings& settings, int stride,
+                                          const Progress& progress, uint32_t budget) {
+  Dispatching dispatching = dispatching_;
+  if (budget > 0) dispatching.budget = budget;
+  return timed(renderer_.renderCoarse(kernel, settings, stride, progress, dispatching));
+}
+
+Visits RenderSession::countVisits(const Spirv& kernel, const RenderSettings& settings, const Progress& progress) {
+  return renderer_.countVisits(kernel, settings, progress, dispatching_);
+}
+
+ShaderPicture RenderSession::timed(ShaderPicture picture) {
+  seconds_.compile += picture.compileSeconds;
+  seconds_.trace += picture.traceSeconds;
+  seconds_.readback += picture.readbackSeconds;
+  return picture;
+}
+
+}  // namespace turner

@@ -1,0 +1,298 @@
+// Each job reads as its data flow: scene -> packed -> uploaded; sources -> SPIR-V -> checked -> pipeline ->
+// coarse picture -> picture -> times -> counts. Every step reports its beginning, so that the watcher knows where a
+// silent worker is.
+#include "watch/process/worker.h"
+
+#include <malloc.h>
+#include <sys/resource.h>
+
+#include <memory>
+#include <new>
+#include <optional>
+#include <utility>
+
+#include "base/errors.h"
+#include "base/spread.h"
+#include "base/stopwatch.h"
+#include "base/text_file.h"
+#include "gpu/session.h"
+#include "kernel/kernel_check.h"
+#include "kernel/layout_text.h"
+#include "reference/reference.h"
+#include "scene/scene_load.h"
+#include "watch/diagnosis/loop_probe.h"
+#include "watch/process/messages.h"
+
+namespace turner::watch {
+namespace {
+
+// Times are compared in turn if a trace is shorter than kShortTrace, for about kTimingSeconds.
+constexpr double kShortTrace = 0.5, kTimingSeconds = 2;
+constexpr size_t kFewestPairs = 3, kMostPairs = 15;
+// Seconds after which the watcher hears of a step again.
+constexpr double kHeartbeat = 0.05;
+
+// The watcher has given the job up.
+struct GivenUp {};
+// The watcher is gone.
+struct LineEnded {};
+
+class Worker {
+ public:
+  Worker(Channel& line, const WatchPlan& plan) : line_(line), plan_(plan), dispatching_(plan.dispatching) {
+    dispatching_.compiles = [this] { begin(Step::pipeline); };
+  }
+
+  // False: the worker must end.
+  bool work(const Job& job) {
+    job_ = job.number;
+    cancelled_ = false;
+    try {
+      run(job);
+      report(Finished{job_});
+      return true;
+    } catch (const GivenUp&) {
+      report(Finished{job_});
+      return true;
+    } catch (const LoopsCut& error) {
+      refuse(error.what(), {.endless = true});
+      return true;
+    } catch (const PixelsMissing& error) {
+      refuse(error.what(), {.unfinished = true});
+      return true;
+    } catch (const UntrueKernel& error) {
+      refuse(error.what(), {});
+      return true;
+    } catch (const InputError& error) {
+      refuse(error.what(), {.wrongInput = true});
+      return true;
+    } catch (const RunError& error) {
+      refuse(error.what(), {.broken = isOnDevice()});
+      return !isOnDevice();
+    } catch (const std::bad_alloc&) {
+      refuse("out of memory", {.broken = true});
+      return false;
+    } catch (const std::exception& error) {  // of Vulkan's
+      refuse(error.what(), {.broken = true});
+      return false;
+    }
+  }
+
+ private:
+  void run(const Job& job) {
+    switch (job.purpose) {
+      case Purpose::prepare:
+        return loadScene(job);
+      case Purpose::render:
+        loadScene(job);
+        return render(job);
+      case Purpose::findLoop:
+        loadScene(job);
+        return findLoop(job);
+      case Purpose::reference:
+        return renderReferencePicture();
+    }
+  }
+
+  // --- the scene ---
+
+  Scene loadSceneFile() const {
+    refusePipe(plan_.scene);  // at which a worker would wait without an end
+    return turner::loadScene(plan_.scene);
+  }
+
+  void loadScene(const Job& job) {
+    SceneReady& ready = ready_;
+    ready.job = job_;
+    ready.sceneEpoch = job.sceneEpoch;
+    ready.openSeconds = ready.loadSeconds = ready.buildSeconds = ready.uploadSeconds = 0;
+    Stopwatch watch;
+    if (!session_) {
+      begin(Step::open);
+      session_ = std::make_unique<RenderSession>(plan_.chooseDevice(), plan_.access, dispatching_);
+      const DeviceInfo& device = session_->device();
+      ready.device = device.name;
+      ready.driver = device.driver;
+      ready.deviceType = device.type;
+      ready.access = accessName(session_->access());
+      ready.openSeconds = watch.lap();
+    }
+    if (job.reloadScene || !hasScene_) {
+      hasScene_ = false;
+      begin(Step::scene);
+      Scene scene = loadSceneFile();
+      ready.settings = plan_.settingsOf(scene);
+      ready.summary = {};
+      ready.summary.name = scene.name;
+      ready.summary.camera = scene.camera;
+      ready.summary.sources = scene.sources;
+      ready.summary.notes = scene.notes;
+      ready.spheres = scene.spheres.size();
+      ready.triangles = scene.triangles.size();
+      ready.loadSeconds = watch.lap();
+      session_->prepare(std::move(scene), ready.settings);
+      session_->upload();
+      ready.buildSeconds = session_->seconds().build;
+      ready.uploadSeconds = session_->seconds().upload;
+      hasScene_ = true;
+    }
+    report(ready);
+  }
+
+  // --- the kernel ---
+
+  Spirv compile(const std::vector<ShaderSource>& sources) {
+    begin(Step::compile);
+    return session_->compile(sources);
+  }
+
+  void render(const Job& job) {
+    Compiled compiled;
+    compiled.job = job_;
+    Spirv kernel = compile(job.sources);
+    stopIfCancelled();
+    Stopwatch watch;
+    begin(Step::check);
+    checkLayout(job.sources);
+    if (kernel.words != job.goodWords) checkKernel(kernel, job.sources, session_->access());
+    compiled.checkSeconds = watch.lap();
+    compiled.words = kernel.words;
+    compiled.files = kernel.files;
+    compiled.glslangSeconds = kernel.glslangSeconds;
+    compiled.optimiserSeconds = kernel.optimiserSeconds;
+    compiled.sameAsGood = job.goodHasScene && job.goodWords == kernel.words;
+    report(compiled);
+    if (compiled.sameAsGood) return;
+
+    const RenderSettings& settings = ready_.settings;
+    ShaderPicture coarse = session_->renderCoarse(kernel, settings, kCoarseStride, progressOf(Step::coarse));
+    throwIfInvalid();
+    report(Picture{job_, true, std::move(coarse.image), coarse.compileSeconds, coarse.traceSeconds,
+                   coarse.readbackSeconds});
+    ShaderPicture picture = session_->render(kernel, settings, progressOf(Step::picture));
+    throwIfInvalid();
+    report(Picture{job_, false, std::move(picture.image), picture.compileSeconds, picture.traceSeconds,
+                   picture.readbackSeconds});
+
+    // The picture is there; what follows is about it.
+    if (job.goodHasScene && !job.goodWords.empty() && picture.traceSeconds < kShortTrace)
+      compareTimes({.words = job.goodWords}, kernel);
+    const Visits visits = session_->countVisits(kernel, settings, progressOf(Step::counting));
+    throwIfInvalid();
+    report(Counted{job_, visits.rays});
+  }
+
+  // In turn, so that whatever else the machine does meets both; and each is first in turn.
+  void compareTimes(const Spirv& good, const Spirv& edited) {
+    const Stopwatch watch;
+    std::vector<double> before, after, ratios;
+    const auto trace = [&](const Spirv& kernel, std::vector<double>& seconds) {
+      seconds.push_back(session_->render(kernel, ready_.settings, progressOf(Step::timing)).traceSeconds);
+    };
+    // An odd number, so that one of the pairs is the median.
+    while (ratios.size() < kFewestPairs || ratios.size() % 2 == 0 ||
+           (ratios.size() < kMostPairs && watch.seconds() < kTimingSeconds)) {
+      const bool goodFirst = ratios.size() % 2 == 0;
+      trace(goodFirst ? good : edited, goodFirst ? before : after);
+      trace(goodFirst ? edited : good, goodFirst ? after : before);
+      ratios.push_back(after.back() / before.back());
+    }
+    const Spread ratio = spreadOf(ratios);
+    report(Timing{job_, int(ratios.size()), spreadOf(before).median, spreadOf(after).median, ratio.median, ratio.least,
+                  ratio.most});
+  }
+
+  // A kernel that counts its loops' turns ends, and reports which of them had too many.
+  void findLoop(const Job& job) {
+    const LoopProbe probe = probeLoops(job.sources);
+    const Spirv kernel = compile(probe.sources);
+    const uint32_t budget = job.hung ? kLongProbeBudget : kProbeBudget;
+    try {
+      session_->renderCoarse(kernel, ready_.settings, kCoarseStride, progressOf(Step::probe), budget);
+    } catch (const PixelsMissing&) {
+      // No loop made too many turns.
+    } catch (const LoopsCut& cut) {
+      if (const std::optional<SourceLocation> location = endlessLoop(probe, cut.count))
+        report(LoopFound{job_, location->path, location->line, location->column});
+    }
+  }
+
+  // --- the reference ---
+
+  void renderReferencePicture() {
+    ::setpriority(PRIO_PROCESS, 0, 19);  // whoever edits comes first
+    begin(Step::scene);
+    const Scene scene = loadSceneFile();
+    const RenderSettings settings = plan_.settingsOf(scene);
+    ReferencePicture picture = renderReference(plan_.referenceGeometry(scene), settings, progressOf(Step::picture));
+    report(Picture{job_, false, std::move(picture.image), 0, picture.traceSeconds, 0});
+  }
+
+  // --- the line ---
+
+  template <class Value>
+  void report(const Value& value) {
+    if (!send(line_, value)) throw LineEnded();
+  }
+
+  void begin(Step step) {
+    stopIfCancelled();
+    step_ = step;
+    report(Advance{job_, step, 0});
+  }
+
+  void refuse(const std::string& text, Refused refused) {
+    refused.job = job_;
+    refused.step = step_;
+    refused.text = text;
+    report(refused);
+  }
+
+  // What a failure now says of the device.
+  bool isOnDevice() const { return step_ != Step::open && step_ != Step::compile && step_ != Step::check; }
+
+  void stopIfCancelled() {
+    while (const std::optional<Message> message = line_.receive())
+      if (message->kind == Cancel::kind) cancelled_ = decode<Cancel>(*message).job == job_;
+    if (line_.isFinished()) throw LineEnded();
+    if (cancelled_) throw GivenUp();
+  }
+
+  Progress progressOf(Step step) {
+    return [this, step, sinceReport = Stopwatch()](double share) mutable {
+      stopIfCancelled();
+      if (step_ == step && sinceReport.seconds() < kHeartbeat) return;
+      step_ = step;
+      sinceReport.lap();
+      report(Advance{job_, step, share});
+    };
+  }
+
+  Channel& line_;
+  const WatchPlan& plan_;
+  Dispatching dispatching_;
+  std::unique_ptr<RenderSession> session_;
+  SceneReady ready_;
+  bool hasScene_ = false;  // on the device
+  uint64_t job_ = 0;
+  Step step_ = Step::open;
+  bool cancelled_ = false;
+};
+
+}  // namespace
+
+void workForWatcher(Channel& line, const WatchPlan& plan) {
+  // Unlike the watcher's, its heap keeps what it has once got, as glibc has it by default: compilers
+  // take and free large blocks all the time.
+  ::mallopt(M_MMAP_THRESHOLD, 32 << 20);
+  ::mallopt(M_TRIM_THRESHOLD, 64 << 20);
+  Worker worker(line, plan);
+  try {
+    while (const std::optional<Message> message = line.wait())
+      if (message->kind == Job::kind && !worker.work(decode<Job>(*message))) return;
+  } catch (const LineEnded&) {
+    // The watcher has ended; so does this.
+  }
+}
+
+}  // namespace turner::watch
