@@ -16,13 +16,14 @@ import unittest
 
 from support.pictures import Exr
 from support.settings import PROGRAM
+from support.timed import Timed
 
 DONE, FAILED, WRONG_INPUT, INTERRUPTED = 0, 1, 2, 130
 
 # Nothing here takes longer than a second or two; a sanitizer on a busy machine is slower by far.
 TIMEOUT = 180  # seconds
-# Ctrl-C must be noticed within a few seconds.
-PATIENCE = 10  # seconds
+# What is done at once, or ended by Ctrl-C, takes no longer.
+PROMPT = 10  # seconds
 
 SMALL = ["--width", "64", "--height", "48"]
 TINY = ["--width", "8", "--height", "8"]
@@ -50,7 +51,12 @@ class Run:
         return f"$ turner {' '.join(self.args)}\n{end}\n--- stdout\n{self.out}--- stderr\n{self.err}"
 
 
-class Command(unittest.TestCase):
+def without_progress(text):
+    """Lines of stderr; how far the work is, is told where it takes some seconds."""
+    return [line for line in text.splitlines() if "Msamples/s" not in line]
+
+
+class Command(Timed, unittest.TestCase):
     """Each test has a folder of its own, and is in it."""
 
     maxDiff = None
@@ -119,8 +125,7 @@ class Command(unittest.TestCase):
         """Runs what must succeed, without a word on stderr but progress."""
         run = self.run_turner(*args, **options)
         self.assertEqual(run.code, DONE, run)
-        noise = [line for line in run.err.splitlines() if "Msamples/s" not in line]
-        self.assertEqual(noise, [], run)
+        self.assertEqual(without_progress(run.err), [], run)
         return run
 
     def refuse(self, *args, code=WRONG_INPUT, says=(), faults=1, **options):
@@ -133,7 +138,7 @@ class Command(unittest.TestCase):
         return run
 
     def check_message(self, run, faults=1, says=()):
-        lines = run.err.splitlines()
+        lines = without_progress(run.err)
         if faults is not None:
             self.assertEqual(len(lines), faults, f"{faults} line(s) on stderr\n{run}")
             for line in lines:

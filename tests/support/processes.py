@@ -36,3 +36,25 @@ def memory_of(pid):
     except (FileNotFoundError, ProcessLookupError):
         return 0, 0, 0
     return tuple(int(re.search(rf"^{name}:\s+(\d+) kB", text, re.M)[1]) for name in ("Rss", "Anonymous", "Pss"))
+
+
+def state_of(pid):
+    """R, S, D, T: stopped, Z: ended and not waited for; empty: gone."""
+    try:
+        return pathlib.Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
+    except (FileNotFoundError, ProcessLookupError):
+        return ""
+
+
+def seconds_of_threads(pid):
+    """Processor time of each thread, by its number."""
+    seconds = {}
+    for task in pathlib.Path(f"/proc/{pid}/task").glob("*"):
+        with contextlib.suppress(FileNotFoundError, ProcessLookupError):
+            fields = (task / "stat").read_text().rpartition(")")[2].split()
+            seconds[int(task.name)] = (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+    return seconds
+
+
+def processor_seconds(pid):
+    return sum(seconds_of_threads(pid).values())

@@ -17,9 +17,10 @@ import time
 import unittest
 
 from support.editors import write_and_rename
-from support.patience import TIMEOUT, wait_until
+from support.patience import PATIENCE, TIMEOUT, wait_until
 from support.processes import living_in
 from support.settings import PROGRAM
+from support.timed import Timed
 from support.watched import Watched
 
 # Of all features of the kernel it needs few, so that the driver compiles quickly.
@@ -48,7 +49,7 @@ atexit.register(CACHES.cleanup)
 GCC = re.compile(r"^(?P<file>[^:\n]+):(?P<line>\d+):(?P<column>\d+): error: (?P<message>.+)$")
 
 
-class Session(unittest.TestCase):
+class Session(Timed, unittest.TestCase):
     """Each test has a folder of its own, with a copy of the shaders and a scene."""
 
     maxDiff = None
@@ -113,7 +114,7 @@ class Session(unittest.TestCase):
 
     def check_nobody_left(self, about=""):
         """No process works in this folder any more."""
-        wait_until(lambda: not living_in(self.folder), 2)
+        wait_until(lambda: not living_in(self.folder))
         left = living_in(self.folder)
         for process in left:
             with contextlib.suppress(ProcessLookupError):
@@ -141,7 +142,7 @@ class Session(unittest.TestCase):
 
     def assert_gcc(self, watched, file, line=None, says=""):
         """A diagnosis of this place is on stderr, with the source's line and a caret below."""
-        deadline = time.monotonic() + 2
+        deadline = time.monotonic() + PATIENCE
         while time.monotonic() < deadline:
             lines = list(watched.errors)
             for i, text in enumerate(lines[:-2]):

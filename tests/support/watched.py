@@ -9,7 +9,7 @@ import time
 
 from support.command import CRASH
 from support.patience import PATIENCE, TIMEOUT, wait_until
-from support.processes import children_of
+from support.processes import children_of, seconds_of_threads, state_of
 from support.settings import PROGRAM
 
 
@@ -134,15 +134,30 @@ class Watched:
     # --- its processes ---
 
     def worker(self):
-        """The oldest child renders; the other one, while it lives, is the reference's."""
-        self.test.assertTrue(wait_until(lambda: children_of(self.process.pid)), self)
-        return children_of(self.process.pid)[0]
+        """The child that renders. The other one, while it lives, is the reference's: it is younger as long as no
+        renderer has died, and stands still while anything else works."""
+        active = lambda: [child for child in children_of(self.process.pid) if state_of(child) in ("R", "S", "D")]
+        self.test.assertTrue(wait_until(active), self)
+        return active()[0]
+
+    def wait_for_work(self, act, threads=1, seconds=0.3):
+        """Acts, then waits until so many of the renderer's threads have worked so long at it, beside the first thread,
+        which compiles, where more than one is asked for. The renderer must be idle before."""
+        before = seconds_of_threads(self.worker())
+        act()
+
+        def is_busy():
+            worker = self.worker()
+            spent = [s - before.get(t, 0) for t, s in seconds_of_threads(worker).items() if threads == 1 or t != worker]
+            return sum(s >= seconds for s in spent) >= threads
+
+        self.test.assertTrue(wait_until(is_busy, TIMEOUT), self)
 
     def is_alive(self):
         return self.process.poll() is None
 
-    def interrupt(self, code=130):
-        """Ctrl-C, and what must be true then."""
+    def interrupt(self, code=130, most=10):
+        """Ctrl-C, and what must be true then: within so many seconds, where times count."""
         self.test.assertTrue(self.is_alive(), f"it has ended by itself\n{self}")
         started = time.monotonic()
         self.process.send_signal(signal.SIGINT)
@@ -151,14 +166,14 @@ class Watched:
         except subprocess.TimeoutExpired:
             self.process.kill()
             self.test.fail(f"Ctrl-C did not end it within {PATIENCE} s\n{self}")
-        self.seconds_to_end = time.monotonic() - started
+        seconds = time.monotonic() - started
         for thread in self.threads:
             thread.join(PATIENCE)
         self.test.assertEqual(self.process.returncode, code, self)
         self.check_nothing_left()
         if self.json_lines:
             self.test.assertEqual(self.events[-1]["event"], "stopped", self)
-        return self.seconds_to_end
+        self.test.check_takes(seconds, most, self)
 
     def kill(self):
         self.process.kill()

@@ -7,7 +7,7 @@ import shutil
 from support.patience import TIMEOUT, wait_until
 from support.pictures import Exr
 from support.rights import without_superpowers
-from support.session import HALF, MAIN, SHADE, Session
+from support.session import HALF, SHADE, Session
 
 
 class Figures(Session):
@@ -45,16 +45,6 @@ class Figures(Session):
             self.edit("whitted.comp", "bool faces = facesLight(surface, xyz(position));", "bool faces = false;")
             w.picture()
             self.assertEqual(w.figures()["rays_change"]["shadow"], -shadow, w)
-
-    def test_twice_the_work_takes_longer(self):
-        """A picture that is large enough for times to mean something."""
-        with self.watch("--width", "400", "--height", "300", "--samples", "2") as w:
-            w.picture()
-            w.figures()
-            work = "for (int i = 0; i < 60; ++i) E = fract(E * 1.37 + 0.01 * sin(E));\n  "
-            self.edit("whitted.comp", MAIN, MAIN + " vec3 E = vec3(gl_WorkGroupID) + float(frameInMemory.background.w); " + work + "if (E.x == 7.0) return;")
-            w.picture()
-            self.assertGreater(w.figures()["trace"]["ratio"], 1.05, w)
 
     def test_lines_for_people_are_aligned(self):
         with self.watch(json_lines=False) as w:

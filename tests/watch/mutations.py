@@ -7,6 +7,7 @@ import time
 
 from support.editors import EDITORS
 from support.mutator import Mutator
+from support.patience import TIMEOUT
 from support.pictures import Exr, png_size
 from support.processes import memory_of, tree_of
 from support.session import BALL, Session
@@ -81,7 +82,11 @@ class Mutations(Session):
                     time.sleep(self.chance.uniform(0.3, 1))
                     # Of the one file that is always among the sources: the mutation may have dropped an include.
                     self.save("whitted.comp", self.source("whitted.comp").read_bytes() + b"\n// %d\n" % edit)
-                    event = w.wait("picture", "refused", version=version + 1, seconds=10, must=False)
+                    saved = time.monotonic()
+                    # The first save's version comes to its end before the second, or is given up for it; or both are one.
+                    first = w.wait("picture", "refused", "superseded", version=version)
+                    are_two = first["event"] == "superseded" or first["at"] < saved
+                    event = w.wait("picture", "refused", version=version + 1, seconds=TIMEOUT if are_two else 30, must=are_two)
                     if not event:
                         # Where the disk holds the watcher up for as long as between the two saves, they are one to it.
                         self.outcomes["two saves seen as one"] += 1

@@ -24,8 +24,9 @@ class Survival(Session):
             w.figures()
             w.wait("reference")
             for number, (old, new) in ((signal.SIGKILL, (SHADE, HALF)), (signal.SIGSEGV, (HALF, SHADE))):
-                os.kill(w.worker(), number)
-                time.sleep(0.1)
+                worker = w.worker()
+                os.kill(worker, number)
+                self.assertTrue(wait_until(lambda: worker not in children_of(w.process.pid)), "it is waited for")
                 self.edit("shade.glsl", old, new)
                 w.picture()
                 w.figures()
@@ -58,13 +59,14 @@ class Survival(Session):
             os.kill(w.worker(), signal.SIGSTOP)
             self.edit("shade.glsl", SHADE, HALF)
             time.sleep(1)
-            self.edit("shade.glsl", HALF, SHADE)
-            w.picture(seconds=20)
+            # Another text than the first: where a busy machine shows the watcher both edits at once, they are a version.
+            self.edit("shade.glsl", HALF, SHADE + "  // again")
+            w.picture()
             self.assertEqual(self.exr(), before)
             os.kill(w.worker(), signal.SIGSTOP)
             self.edit("shade.glsl", SHADE, HALF)
             time.sleep(0.5)
-            self.assertLess(w.interrupt(), 2)
+            w.interrupt(most=2)
 
     def test_a_reference_that_dies(self):
         with self.watch("--samples", "8", "--width", "640", "--height", "480") as w:

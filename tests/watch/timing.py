@@ -1,4 +1,4 @@
-"""From the save to the moment at which the line that tells of the picture was read."""
+"""Times of the watch, on a machine that does nothing else."""
 
 import itertools
 import shutil
@@ -6,13 +6,14 @@ import statistics
 import sys
 import time
 
-from support.editors import write_and_rename
-from support.session import SHADE, Session
+from support.editors import write_and_rename, write_in_place
+from support.session import MAIN, SHADE, Session
 from support.settings import ROOT
+from watch import harm, scenes, survival
 
 
 class Timing(Session):
-    """From the save to the moment at which the line that tells of the picture was read. Run it alone."""
+    """From the save to the moment at which the line that tells of the picture was read."""
 
     VALIDATION = "0"
     SIZE = ["--width", "512", "--height", "512"]
@@ -81,3 +82,65 @@ class Timing(Session):
             write_and_rename(self.path("scene.json"), text.replace("[-6, 9, 7]", f"[-6, 9, {7 + next(places) / 8}]").encode())
 
         self.check("a scene", save, 1.5, 0.2)
+
+
+class Moments(Session):
+    """What takes less than the quiet time is one change; what takes twice the work is told to take longer."""
+
+    def test_saves_in_quick_succession_are_one_version(self):
+        with self.watch() as w:
+            w.picture()
+            w.figures()
+            text = self.source("shade.glsl").read_text()
+            for factor in ("0.25", "0.75", "0.5"):
+                self.save("shade.glsl", text.replace(SHADE, SHADE.replace("E", f"{factor} * E", 1)), write_in_place)
+                time.sleep(0.06)
+            w.picture()
+            self.assert_shows_the_sources(w)
+            w.stays_quiet()
+            self.assertEqual(w.count("superseded"), 0, w)
+            # A change that is taken back at once is none to be seen.
+            self.edit("shade.glsl", "0.5 * E", "wrong(")
+            time.sleep(0.06)
+            self.edit("shade.glsl", "wrong(", "0.5 * E")
+            time.sleep(1)
+            self.assertEqual(w.count("refused"), 0, w)
+            self.assert_shows_the_sources(w)
+
+    def test_a_file_that_is_gone_for_a_moment_was_not_deleted(self):
+        with self.watch() as w:
+            w.picture()
+            w.figures()
+            for name in ("shade.glsl", "whitted.comp"):
+                text = self.source(name).read_text()
+                self.source(name).unlink()
+                time.sleep(0.06)
+                self.save(name, text + "// saved\n", write_in_place)
+                w.picture()
+
+    def test_twice_the_work_takes_longer(self):
+        """A picture that is large enough for times to mean something."""
+        with self.watch("--width", "400", "--height", "300", "--samples", "2") as w:
+            w.picture()
+            w.figures()
+            work = "for (int i = 0; i < 60; ++i) E = fract(E * 1.37 + 0.01 * sin(E));\n  "
+            self.edit("whitted.comp", MAIN, MAIN + " vec3 E = vec3(gl_WorkGroupID) + float(frameInMemory.background.w); " + work + "if (E.x == 7.0) return;")
+            w.picture()
+            self.assertGreater(w.figures()["trace"]["ratio"], 1.05, w)
+
+
+class Bars(Session):
+    """Tests of other modules, with bars for what they take."""
+
+    holds_times = True
+    test_a_kernel_that_hangs_is_killed_after_the_timeout = harm.Harm.test_a_kernel_that_hangs_is_killed_after_the_timeout
+    test_a_newer_save_and_ctrl_c_do_not_wait_for_a_kernel_that_hangs = (
+        harm.Harm.test_a_newer_save_and_ctrl_c_do_not_wait_for_a_kernel_that_hangs
+    )
+    check_survives = harm.Harm.check_survives
+    test_what_compilers_do_not_like = harm.Harm.test_what_compilers_do_not_like
+    save_scene = scenes.Scenes.save_scene
+    test_a_newer_save_interrupts_a_long_render = scenes.Scenes.test_a_newer_save_interrupts_a_long_render
+    test_ctrl_c_during_a_long_render = scenes.Scenes.test_ctrl_c_during_a_long_render_leaves_the_last_good_picture
+    test_a_renderer_that_is_stopped = survival.Survival.test_a_renderer_that_is_stopped
+    test_ctrl_c_at_any_moment = survival.Survival.test_ctrl_c_at_any_moment
