@@ -1,7 +1,7 @@
 // A developer's program, and the tests that carry the label `hard`: measures the hard cases of numerical stability and
 // prints the scoreboard. Ends with 1 if a figure is over its bar, or, where a miss is known, worse than what has been
 // reached.
-// usage: turner_hard [--full] [--case N]... [--seed S] [--json FILE] [--markdown FILE] [--list]
+// usage: turner_hard [--full] [--case N]... [--without-times] [--seed S] [--json FILE] [--markdown FILE] [--list]
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -29,11 +29,12 @@ std::vector<Case> allCases() {
 int run(int argc, char** argv) {
   CLI::App app("The hard cases of numerical stability, solved and scored.");
   std::vector<int> numbers;
-  bool full = false, list = false;
+  bool full = false, list = false, withoutTimes = false;
   uint64_t seed = 1;
   std::string json, markdown;
   app.add_flag("--full", full, "the full counts, up to 10^7 rays in a case (else a small part of them)");
   app.add_option("--case", numbers, "only these cases, by number; may repeat");
+  app.add_flag("--without-times", withoutTimes, "figures in seconds are shown and do not count: on a busy machine");
   app.add_option("--seed", seed, "of the random rays");
   app.add_option("--json", json, "write the table as JSON to this file");
   app.add_option("--markdown", markdown, "write the table as Markdown to this file");
@@ -60,7 +61,7 @@ int run(int argc, char** argv) {
     known.measure({kernels, {full}, seed}, report);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     scored.push_back({known.number, known.name, report, seconds});
-    holds = holds && report.holdsWhatIsReached();
+    holds = holds && report.holdsWhatIsReached(!withoutTimes);
     fmt::print("{:2} {} ({:.1f} s)\n", known.number, known.name, seconds);
     for (const Figure& figure : report.figures())
       fmt::print("   {:<8} {:.3g}, bar {:.3g}{}: {}{}\n", figure.passes() ? "passes" : "FAILS", figure.turner,

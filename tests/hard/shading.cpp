@@ -556,7 +556,7 @@ void badInput(const Bench& bench, Report& report) {
   report.atMost(all + "exceptions that no user's mistake explains", double(fuzz.otherExceptions), 0);
   report.atMost(all + "refusals without file and line", double(fuzz.withoutPlace), 0);
   report.atMost(all + "scenes with values that are not allowed", double(fuzz.unsound), 0);
-  report.atMost(all + "seconds for the slowest", fuzz.slowest, 10);
+  report.atMostSeconds(all + "seconds for the slowest", fuzz.slowest, 10);
   report.atMost(fmt::format("with NaN or Inf, of {} pictures of damaged scenes", fuzz.pictures), double(fuzz.notFinite),
                 0);
   report.atMost("wrong values in pictures without objects or without lights", double(wrongWithoutLight(folder)), 0);

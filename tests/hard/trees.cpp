@@ -369,7 +369,7 @@ void reportBuilds(const std::string& what, const Scene& scene, int depthBar, Rep
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     const bool isWhole = bvh.order.size() == prepared.boxes.size();
     report.atMost(fmt::format("{}, {}: depth", what, name), isWhole ? double(bvh.depth) : NAN, depthBar);
-    report.atMost(fmt::format("{}, {}: seconds to build", what, name), seconds, 5);
+    report.atMostSeconds(fmt::format("{}, {}: seconds to build", what, name), seconds, 5);
   };
   reportOne("Embree", buildBvh);
   reportOne("medians", buildMedianBvh);
