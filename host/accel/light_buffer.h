@@ -1,7 +1,7 @@
-// Lists of what rays through one point can hit: the point is the eye or a light, the lists stand in the cells of a cube
-// of directions around it. An item buffer (Weghorst, Hooper, Greenberg, ACM TOG 3(1), 1984) and a light buffer (Haines,
-// Greenberg, IEEE CG&A 6(9), 1986) over a tree: a list holds shapes, or nodes where many shapes share a cell.
-// shaders/light_buffer.glsl looks the lists up.
+// Lists of what rays through one point can hit: the point is the eye or a light, the lists belong to the cells of a
+// cube of directions around it. An item buffer (Weghorst, Hooper, Greenberg, ACM TOG 3(1), 1984) and a light buffer
+// (Haines, Greenberg, IEEE CG&A 6(9), 1986) over a tree: a list holds primitives, or nodes where many primitives share
+// a cell. shaders/light_buffer.glsl looks the lists up.
 #pragma once
 
 #include <array>
@@ -24,20 +24,21 @@ struct LightBufferPoint {
   glm::dvec3 position{0};
   std::array<FaceWindow, 6> windows;  // in the order of gpu::LightBufferFace
   size_t rays = 0;                    // about how many will come: as many cells are worth their time
-  int kernelTraversal = 0;            // points of one number are looked up by the same piece of the kernel
-  bool traversalVisitsNodes = false;  // that meets nodes anyhow, for other rays
+  // Points of equal kernelTraversal share one call site of traversal: if one needs to visit nodes, all can.
+  int kernelTraversal = 0;
+  bool traversalVisitsNodes = false;  // it visits nodes in any case, for other rays
 };
 
 struct LightBuffers {
-  std::vector<gpu::Word4> rows;   // all cubes, as the kernel reads them
-  std::vector<bool> visitsNodes;  // for each point: whether its kernel walk has to be able to visit nodes
+  std::vector<gpu::Word4> rows;   // of all points, as the kernel reads them
+  std::vector<bool> visitsNodes;  // for each point: whether its traversal in the kernel must be able to visit nodes
 };
 
 // What the lists refer to.
 struct LightBufferTree {
   const PreparedGeometry& prepared;
   const Bvh& bvh;                         // over its boxes
-  std::span<const gpu::uint> references;  // the kernel's, of single shapes, in the order of Bvh::order
+  std::span<const gpu::uint> references;  // the kernel's, of single primitives, in the order of Bvh::order
 };
 
 // Works on all cores; the result does not depend on their number.

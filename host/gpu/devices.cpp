@@ -1,4 +1,4 @@
-// Choosing among the devices that gpu.cpp has listed; no Vulkan here.
+// Chooses among the listed devices; no Vulkan here.
 #include "gpu/devices.h"
 
 #include <algorithm>

@@ -1,46 +1,29 @@
-// Numbers both kinds of primitives in the order of the leaves, and writes their rows.
+// Numbers the primitives in the order of the leaves, and writes their rows.
 #include "gpu/pack_scene.h"
 
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cmath>
 #include <cstring>
-#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <numeric>
 #include <optional>
 #include <span>
+#include <string>
 #include <tuple>
 #include <utility>
 
 #include "base/errors.h"
 #include "base/reserve.h"
 #include "base/threads.h"
-#include "image/camera_basis.h"
+#include "gpu/pack_node.h"
+#include "gpu/words.h"
 
 namespace turner {
 namespace {
 
 using gpu::uint;
 using gpu::Word4;
-
-gpu::vec3 toVec3(const glm::dvec3& v) {
-  return {float(v.x), float(v.y), float(v.z)};
-}
-
-// What a float leaves of a double: the low half of an unevaluated sum.
-gpu::vec3 toVec3Rest(const glm::dvec3& v) {
-  return toVec3(v - glm::dvec3(float(v.x), float(v.y), float(v.z)));
-}
-
-// Appends a structure of layout.h as the words that the kernel reads.
-template <class Structure>
-void append(std::vector<Word4>& words, const Structure& structure) {
-  const size_t at = words.size();
-  words.resize(at + sizeof(Structure) / sizeof(Word4));
-  std::memcpy(&words[at], &structure, sizeof structure);
-}
 
 struct Plane {
   glm::dvec3 normal;  // unit, on the counter-clockwise side
@@ -90,7 +73,7 @@ gpu::NearSphere nearSphereOf(const Sphere& sphere) {
   return {toVec3Rest(sphere.center), float(power - float(power))};
 }
 
-// `normals`: where its vertex normals stand in the packed scene. `precedence`: of the triangles.
+// `normals`: where its vertex normals stand in the packed scene. `rank`: of the triangles.
 gpu::TrianglePair packPair(const PreparedGeometry& prepared, const TrianglePair& pair, uint normals,
                            std::span<const uint> rank) {
   const std::vector<Triangle>& triangles = prepared.scene.triangles;
@@ -112,90 +95,6 @@ gpu::TrianglePair packPair(const PreparedGeometry& prepared, const TrianglePair&
     packed.planes[1] = packPlane(second);
   }
   return packed;
-}
-
-// Trees are built within the builder's default limits; the kernel's numbers have room for no more.
-static_assert(BvhLimits{}.maxLeafSize == gpu::kMaxLeafSize && BvhLimits{}.maxDepth == int(gpu::kMaxTreeDepth));
-
-uint leafReference(const BvhChild& leaf, std::span<const uint> references) {
-  return gpu::kRefLeaf | ((leaf.count - 1) << gpu::kRefCountShift) | references[leaf.first];
-}
-
-// The least power of two of which 255 reach over a distance, as the exponent byte of a float.
-uint planeExponent(double distance) {
-  const int exponent = distance > 0 ? std::ilogb(distance / 255) + 1 : -126;
-  return uint(std::clamp(exponent, -126, 127) + 127);
-}
-
-// A node in the kernel's form: its planes in bytes, rounded outward; all of it exact in double.
-gpu::Node packNode(const Bvh::Node& node, std::span<const uint> references) {
-  // A leaf comes first, so that the kernel finds an inner child next to its parent.
-  const bool swapped = node.children[0].count == 0 && node.children[1].count > 0;
-  const BvhChild& first = node.children[swapped ? 1 : 0];
-  const BvhChild& second = node.children[swapped ? 0 : 1];
-  const glm::dvec3 lo = glm::min(first.box.lo, second.box.lo), hi = glm::max(first.box.hi, second.box.hi);
-
-  uint exponents = 0;
-  uint planes[3];
-  for (int k = 0; k < 3; ++k) {
-    const uint exponent = planeExponent(hi[k] - lo[k]);
-    const double scale = std::ldexp(1.0, int(exponent) - 127);
-    const auto down = [&](float plane) { return uint(std::floor((double(plane) - lo[k]) / scale)); };
-    const auto up = [&](float plane) { return uint(std::ceil((double(plane) - lo[k]) / scale)); };
-    planes[k] =
-        down(first.box.lo[k]) | up(first.box.hi[k]) << 8 | down(second.box.lo[k]) << 16 | up(second.box.hi[k]) << 24;
-    exponents |= exponent << (8 * k);
-  }
-
-  uint reference = second.first, tags = 0;
-  if (first.count > 0) {
-    reference = leafReference(first, references);
-    tags = 1;
-  }
-  if (second.count > 0) {
-    const uint leaf = references[second.first];
-    tags = 3 | (second.count - 1) << 2 | (leaf & gpu::kRefTriangle ? 1u << 4 : 0u);
-  }
-  return {.origin = toVec3(lo),
-          .exponents = exponents | tags << 24,
-          .planes = {planes[0], planes[1], planes[2]},
-          .reference = reference};
-}
-
-// The part of each face of the eye's cube that the picture's rays go through: its crop, clipped to the face.
-std::array<FaceWindow, 6> viewWindows(const Camera& camera, const RenderSettings& settings) {
-  const CameraBasis basis = cameraBasis(camera);
-  const double pixel = 2 * basis.tanHalfFov / settings.height;
-  const auto direction = [&](int x, int y) {
-    return basis.forward + pixel * ((x - 0.5 * settings.width) * basis.right - (y - 0.5 * settings.height) * basis.up);
-  };
-  const Window& crop = settings.crop;
-  std::array<FaceWindow, 6> windows;
-  for (int face = 0; face < 6; ++face) {
-    const int axis = face / 2, a = (axis + 1) % 3, b = (axis + 2) % 3;
-    const double sign = face % 2 ? -1 : 1;
-    std::vector<glm::dvec3> polygon = {direction(crop.x0, crop.y0), direction(crop.x1, crop.y0),
-                                       direction(crop.x1, crop.y1), direction(crop.x0, crop.y1)};
-    // Keep what lies within |u| <= 1 and |v| <= 1, plane by plane (Sutherland, Hodgman 1974), with room for rounding.
-    for (const auto& [component, side] : {std::pair{a, 1.0}, {a, -1.0}, {b, 1.0}, {b, -1.0}}) {
-      const auto inside = [&](const glm::dvec3& d) { return (1 + 1e-6) * sign * d[axis] - side * d[component]; };
-      std::vector<glm::dvec3> kept;
-      for (size_t i = 0; i < polygon.size(); ++i) {
-        const glm::dvec3 &p = polygon[i], &q = polygon[(i + 1) % polygon.size()];
-        const double ip = inside(p), iq = inside(q);
-        if (ip >= 0) kept.push_back(p);
-        if ((ip < 0) != (iq < 0)) kept.push_back(p + (ip / (ip - iq)) * (q - p));
-      }
-      polygon = std::move(kept);
-    }
-    FaceWindow& window = windows[size_t(face)];
-    window = {1, -1, 1, -1};
-    for (const glm::dvec3& d : polygon) {
-      const double u = d[a] / d[axis], v = d[b] / d[axis];
-      window = {std::min(window.uLo, u), std::max(window.uHi, u), std::min(window.vLo, v), std::max(window.vHi, v)};
-    }
-  }
-  return windows;
 }
 
 Features featuresOf(const Scene& scene) {
@@ -233,6 +132,148 @@ gpu::uvec4 mediaAroundEye(const PreparedGeometry& prepared) {
   return std::bit_cast<gpu::uvec4>(words);
 }
 
+// Throws where the kernel's numbers have no room for the scene.
+void checkLimits(const PreparedGeometry& prepared, int treeDepth) {
+  const Scene& local = prepared.scene;
+  const size_t sphereCount = local.spheres.size();
+  if (gpu::kSphereUnits * sphereCount + gpu::kPairUnits * prepared.pairs.size() > gpu::kMaxUnits)
+    throw InputError("the scene has more spheres and triangles than the kernel can number: " +
+                     std::to_string(sphereCount + local.triangles.size()) + "; it takes " +
+                     std::to_string(gpu::kMaxUnits / gpu::kSphereUnits) + " spheres or " +
+                     std::to_string(gpu::kMaxUnits / gpu::kPairUnits) +
+                     " triangles, twice as many where all are in pairs");
+  if (treeDepth > int(gpu::kMaxTreeDepth))
+    throw RunError("the tree is " + std::to_string(treeDepth) + " nodes deep, more than the kernel's stack holds");
+
+  if (!prepared.dielectrics.empty() && local.materials.size() > gpu::kMaxMaterials)
+    throw InputError("the scene has " + std::to_string(prepared.firstMedium) + " materials and " +
+                     std::to_string(prepared.dielectrics.materials.size()) +
+                     " solids of glass that overlap or touch; the kernel can number " +
+                     std::to_string(gpu::kMaxMaterials) + " of both; use --backend reference");
+}
+
+// Where the primitives go, in the order of the leaves.
+struct Placement {
+  std::vector<uint> references;       // type and offset of each
+  std::vector<uint> normals;          // offset of its vertex normals
+  uint units = 0, vertexNormals = 0;  // of all
+};
+
+Placement placePrimitives(const PreparedGeometry& prepared, const Bvh& bvh) {
+  const std::vector<Triangle>& triangles = prepared.scene.triangles;
+  Placement placement;
+  reservePrefaulted(placement.references, bvh.order.size());
+  reservePrefaulted(placement.normals, bvh.order.size());
+  for (const uint primitive : bvh.order) {
+    const bool isPair = primitive >= prepared.firstPair();
+    placement.references.push_back((isPair ? gpu::kRefTriangle : 0) | placement.units);
+    placement.normals.push_back(placement.vertexNormals);
+    placement.units += isPair ? gpu::kPairUnits : gpu::kSphereUnits;
+    if (!isPair) continue;
+    const TrianglePair& pair = prepared.pairs[primitive - prepared.firstPair()];
+    if (triangles[pair.first].normals != kNoNormals) placement.vertexNormals += pair.isAlone() ? 1 : 2;
+  }
+  return placement;
+}
+
+// Of the spheres that the eye is near, ascending.
+std::vector<uint> findNearSpheres(const Scene& scene) {
+  std::vector<uint> found;
+  for (uint i = 0; i < scene.spheres.size(); ++i)
+    if (isNearEye(scene.spheres[i])) found.push_back(i);
+  return found;
+}
+
+// Primitives and vertex normals. `nearSpheres` have their NearSphere behind all materials.
+void packGeometry(const PreparedGeometry& prepared, const Bvh& bvh, const Placement& placement,
+                  std::span<const uint> nearSpheres, PackedScene& packed) {
+  const Scene& local = prepared.scene;
+  const size_t sphereCount = local.spheres.size();
+  const std::vector<uint> rank = tieBreakRanks(prepared);
+  const uint nearSpheresAt = gpu::kMaterialWords * uint(local.materials.size());
+  // The kernel may look for all of a pair behind a last sphere.
+  const size_t rowCount = gpu::kUnitWords * (placement.units + gpu::kPairUnits);
+  reservePrefaulted(packed.primitives, rowCount);
+  packed.primitives.resize(rowCount);
+  reservePrefaulted(packed.vertexNormals, placement.vertexNormals);
+  packed.vertexNormals.resize(placement.vertexNormals);
+  forAll(bvh.order.size(), [&](size_t i) {
+    const uint primitive = bvh.order[i];
+    Word4* const words = &packed.primitives[gpu::kUnitWords * (placement.references[i] & gpu::kRefOffsetMask)];
+    if (primitive < sphereCount) {
+      const Sphere& sphere = local.spheres[primitive];
+      const auto near = std::lower_bound(nearSpheres.begin(), nearSpheres.end(), primitive);
+      const gpu::Sphere packedSphere =
+          near == nearSpheres.end() || *near != primitive
+              ? packSphere(sphere, rank[primitive])
+              : packNearSphere(sphere, rank[primitive], nearSpheresAt + uint(near - nearSpheres.begin()));
+      std::memcpy(words, &packedSphere, sizeof packedSphere);
+      return;
+    }
+    const TrianglePair& pair = prepared.pairs[primitive - sphereCount];
+    const gpu::TrianglePair packedPair =
+        packPair(prepared, pair, placement.normals[i], std::span(rank).subspan(sphereCount));
+    std::memcpy(words, &packedPair, sizeof packedPair);
+    if (local.triangles[pair.first].normals == kNoNormals) return;
+    const auto putNormals = [&](size_t to, uint triangle) {
+      const auto& [a, b, c] = local.normals[local.triangles[triangle].normals];
+      packed.vertexNormals[to] = {toVec3(a), 0, toVec3(b), 0, toVec3(c), 0};
+    };
+    putNormals(placement.normals[i], pair.first);
+    if (!pair.isAlone()) putNormals(placement.normals[i] + 1, pair.second);
+  });
+}
+
+// Nodes and root.
+void packTree(const Bvh& bvh, std::span<const uint> references, PackedScene& packed) {
+  reservePrefaulted(packed.nodes, bvh.nodes.size());
+  packed.nodes.resize(bvh.nodes.size());
+  forAll(bvh.nodes.size(), [&](size_t i) { packed.nodes[i] = packNode(bvh.nodes[i], references); });
+  if (!bvh.order.empty()) packed.view.root = bvh.root.count > 0 ? leafReference(bvh.root, references) : bvh.root.first;
+}
+
+// Materials, then the NearSpheres.
+void packMaterials(const PreparedGeometry& prepared, std::span<const uint> nearSpheres, PackedScene& packed) {
+  const Scene& local = prepared.scene;
+  for (uint i = 0; i < local.materials.size(); ++i) {
+    const Material& material = local.materials[i];
+    const uint glass = i < prepared.firstMedium ? 0 : 1 + prepared.dielectrics.glasses[i - prepared.firstMedium];
+    append(packed.materials, gpu::Material{.diffuse = toVec3(material.diffuse),
+                                           .reflectance = float(material.reflect),
+                                           .specular = toVec3(material.specular),
+                                           .transmittance = float(material.transmit),
+                                           .shininess = float(material.shininess),
+                                           .eta = float(material.eta),
+                                           .localWeight = float(material.localWeight),
+                                           .glass = glass});
+  }
+  for (const uint i : nearSpheres) append(packed.materials, nearSphereOf(local.spheres[i]));
+}
+
+void packLights(const Scene& scene, PackedScene& packed) {
+  for (const Light& light : scene.lights)
+    packed.lights.push_back({toVec3(light.position), light.falloff == Falloff::inverseSquare, toVec3(light.color), 0});
+}
+
+// The eye, then the lights.
+std::vector<LightBufferPoint> planLightBuffers(const Scene& scene, const RenderSettings& settings,
+                                               bool hasSecondaryRays, TraversalStart start) {
+  // Eye rays share their traversal with reflected and refracted ones, which begin at the root.
+  const size_t eyeRays = settings.crop.area() * size_t(settings.samples) * size_t(settings.samples);
+  std::vector<LightBufferPoint> points = {
+      {.position = {0, 0, 0},
+       .windows = viewWindows(scene.camera, settings),
+       .rays = eyeRays,
+       .kernelTraversal = 0,
+       .traversalVisitsNodes = hasSecondaryRays || start == TraversalStart::mixedLists}};
+  for (const Light& light : scene.lights)
+    points.push_back({.position = light.position,
+                      .rays = eyeRays,
+                      .kernelTraversal = 1,
+                      .traversalVisitsNodes = start == TraversalStart::mixedLists});
+  return points;
+}
+
 }  // namespace
 
 std::vector<uint> tieBreakRanks(const PreparedGeometry& prepared) {
@@ -266,23 +307,8 @@ size_t PackedScene::bytes() const {
 
 PackedScene packScene(const PreparedGeometry& prepared, const Bvh& bvh, const RenderSettings& settings,
                       TraversalStart start) {
+  checkLimits(prepared, bvh.depth);
   const Scene& local = prepared.scene;
-  const size_t sphereCount = local.spheres.size();
-  if (gpu::kSphereUnits * sphereCount + gpu::kPairUnits * prepared.pairs.size() > gpu::kMaxUnits)
-    throw InputError("the scene has more spheres and triangles than the kernel can number: " +
-                     std::to_string(sphereCount + local.triangles.size()) + "; it takes " +
-                     std::to_string(gpu::kMaxUnits / gpu::kSphereUnits) + " spheres or " +
-                     std::to_string(gpu::kMaxUnits / gpu::kPairUnits) +
-                     " triangles, twice as many where all are in pairs");
-  if (bvh.depth > int(gpu::kMaxTreeDepth))
-    throw RunError("the tree is " + std::to_string(bvh.depth) + " nodes deep, more than the kernel's stack holds");
-
-  if (!prepared.dielectrics.empty() && local.materials.size() > gpu::kMaxMaterials)
-    throw InputError("the scene has " + std::to_string(prepared.firstMedium) + " materials and " +
-                     std::to_string(prepared.dielectrics.materials.size()) +
-                     " solids of glass that overlap or touch; the kernel can number " +
-                     std::to_string(gpu::kMaxMaterials) + " of both; use --backend reference");
-
   PackedScene packed;
   packed.features = featuresOf(local);
   packed.features.dielectrics = !prepared.dielectrics.empty();
@@ -293,125 +319,27 @@ PackedScene packScene(const PreparedGeometry& prepared, const Bvh& bvh, const Re
                  .height = settings.height,
                  .crop = settings.crop};
   packed.treeDepth = bvh.depth;
-  packed.primitiveCount = sphereCount + local.triangles.size();
+  packed.primitiveCount = local.spheres.size() + local.triangles.size();
 
-  // Kind and place of each shape, and the place of its vertex normals, in the order of the leaves.
-  std::vector<uint> references, normals;
-  reservePrefaulted(references, bvh.order.size());
-  reservePrefaulted(normals, bvh.order.size());
-  uint offset = 0, normalsOffset = 0;
-  for (const uint primitive : bvh.order) {
-    const bool isPair = primitive >= sphereCount;
-    references.push_back((isPair ? gpu::kRefTriangle : 0) | offset);
-    normals.push_back(normalsOffset);
-    offset += isPair ? gpu::kPairUnits : gpu::kSphereUnits;
-    if (!isPair) continue;
-    const TrianglePair& pair = prepared.pairs[primitive - sphereCount];
-    if (local.triangles[pair.first].normals != kNoNormals) normalsOffset += pair.isAlone() ? 1 : 2;
-  }
-  const std::vector<uint> rank = tieBreakRanks(prepared);
-  std::vector<uint> nearSpheres;
-  for (uint i = 0; i < sphereCount; ++i) {
-    if (isNearEye(local.spheres[i])) nearSpheres.push_back(i);
-    packed.features.farSpheres |= isFarFromEye(local.spheres[i]);
-  }
+  const std::vector<uint> nearSpheres = findNearSpheres(local);
   packed.features.nearSpheres = !nearSpheres.empty();
-  const uint nearSpheresAt = gpu::kMaterialWords * uint(local.materials.size());
-  // The kernel may look for all of a pair behind a last sphere.
-  reservePrefaulted(packed.primitives, gpu::kUnitWords * (offset + gpu::kPairUnits));
-  packed.primitives.resize(gpu::kUnitWords * (offset + gpu::kPairUnits));
-  reservePrefaulted(packed.vertexNormals, normalsOffset);
-  packed.vertexNormals.resize(normalsOffset);
-  forAll(bvh.order.size(), [&](size_t i) {
-    const uint primitive = bvh.order[i];
-    Word4* const words = &packed.primitives[gpu::kUnitWords * (references[i] & gpu::kRefOffsetMask)];
-    if (primitive < sphereCount) {
-      const Sphere& sphere = local.spheres[primitive];
-      const auto near = std::lower_bound(nearSpheres.begin(), nearSpheres.end(), primitive);
-      const gpu::Sphere packedSphere =
-          near == nearSpheres.end() || *near != primitive
-              ? packSphere(sphere, rank[primitive])
-              : packNearSphere(sphere, rank[primitive], nearSpheresAt + uint(near - nearSpheres.begin()));
-      std::memcpy(words, &packedSphere, sizeof packedSphere);
-      return;
-    }
-    const TrianglePair& pair = prepared.pairs[primitive - sphereCount];
-    const gpu::TrianglePair packedPair = packPair(prepared, pair, normals[i], std::span(rank).subspan(sphereCount));
-    std::memcpy(words, &packedPair, sizeof packedPair);
-    if (local.triangles[pair.first].normals == kNoNormals) return;
-    const auto putNormals = [&](size_t to, uint triangle) {
-      const auto& [a, b, c] = local.normals[local.triangles[triangle].normals];
-      packed.vertexNormals[to] = {toVec3(a), 0, toVec3(b), 0, toVec3(c), 0};
-    };
-    putNormals(normals[i], pair.first);
-    if (!pair.isAlone()) putNormals(normals[i] + 1, pair.second);
-  });
+  for (const Sphere& sphere : local.spheres) packed.features.farSpheres |= isFarFromEye(sphere);
 
-  reservePrefaulted(packed.nodes, bvh.nodes.size());
-  packed.nodes.resize(bvh.nodes.size());
-  forAll(bvh.nodes.size(), [&](size_t i) { packed.nodes[i] = packNode(bvh.nodes[i], references); });
-  if (!bvh.order.empty()) packed.view.root = bvh.root.count > 0 ? leafReference(bvh.root, references) : bvh.root.first;
+  const Placement placement = placePrimitives(prepared, bvh);
+  packGeometry(prepared, bvh, placement, nearSpheres, packed);
+  packTree(bvh, placement.references, packed);
+  packMaterials(prepared, nearSpheres, packed);
+  packLights(local, packed);
 
-  for (uint i = 0; i < local.materials.size(); ++i) {
-    const Material& material = local.materials[i];
-    const uint glass = i < prepared.firstMedium ? 0 : 1 + prepared.dielectrics.glasses[i - prepared.firstMedium];
-    append(packed.materials, gpu::Material{.diffuse = toVec3(material.diffuse),
-                                           .reflectance = float(material.reflect),
-                                           .specular = toVec3(material.specular),
-                                           .transmittance = float(material.transmit),
-                                           .shininess = float(material.shininess),
-                                           .eta = float(material.eta),
-                                           .localWeight = float(material.localWeight),
-                                           .glass = glass});
-  }
-  for (const uint i : nearSpheres) append(packed.materials, nearSphereOf(local.spheres[i]));
-  for (const Light& light : local.lights)
-    packed.lights.push_back({toVec3(light.position), light.falloff == Falloff::inverseSquare, toVec3(light.color), 0});
-
-  // Eye rays share their walk with reflected and refracted ones, which begin at the root.
-  const size_t eyeRays = settings.crop.area() * size_t(settings.samples) * size_t(settings.samples);
-  const bool secondary = packed.features.reflection || packed.features.refraction;
-  std::vector<LightBufferPoint> points = {{.position = {0, 0, 0},
-                                           .windows = viewWindows(local.camera, settings),
-                                           .rays = eyeRays,
-                                           .kernelTraversal = 0,
-                                           .traversalVisitsNodes = secondary || start == TraversalStart::mixedLists}};
-  for (const Light& light : local.lights)
-    points.push_back({.position = light.position,
-                      .rays = eyeRays,
-                      .kernelTraversal = 1,
-                      .traversalVisitsNodes = start == TraversalStart::mixedLists});
-  const LightBufferTree tree{prepared, bvh, references};
+  const bool hasSecondaryRays = packed.features.reflection || packed.features.refraction;
+  const std::vector<LightBufferPoint> points = planLightBuffers(local, settings, hasSecondaryRays, start);
+  const LightBufferTree tree{prepared, bvh, placement.references};
   LightBuffers built =
       start == TraversalStart::wholeTree ? wholeTreeLightBuffers(points, tree) : buildLightBuffers(points, tree);
   packed.lightBuffers = std::move(built.rows);
   packed.features.nearestNodes = built.visitsNodes[0];
   packed.features.shadowNodes = !local.lights.empty() && built.visitsNodes[1];
   return packed;
-}
-
-gpu::Frame packFrame(const View& view, const RenderSettings& settings, uint32_t deviceThreads) {
-  const CameraBasis basis = cameraBasis(view.camera);
-  const double pixel = 2 * basis.tanHalfFov / settings.height;
-  const glm::dvec3 perRight = pixel * basis.right, perDown = -pixel * basis.up;
-
-  gpu::Frame frame{};
-  frame.centreHi = toVec3(basis.forward);
-  frame.centreLo = toVec3Rest(basis.forward);
-  frame.rightHi = toVec3(perRight);
-  frame.rightLo = toVec3Rest(perRight);
-  frame.downHi = toVec3(perDown);
-  frame.downLo = toVec3Rest(perDown);
-  frame.background = toVec3(view.background);
-  frame.media = view.media;
-  frame.root = view.root;
-  frame.width = uint(settings.width);
-  frame.height = uint(settings.height);
-  frame.seed = settings.seed;
-  frame.minWeight = float(settings.weightLimit());
-  frame.threads = deviceThreads;
-  frame.canaryLength = gpu::kCanaryLength;
-  return frame;
 }
 
 }  // namespace turner

@@ -1,3 +1,4 @@
+// The steps in their order; each takes over the value of the step before.
 #include "gpu/prepare.h"
 
 #include <utility>

@@ -1,11 +1,11 @@
-// From a scene to what a device gets of it, in one step for all who render.
+// In: a scene. Out: its packed form for a device. One step for all callers that render.
 #pragma once
 
 #include "gpu/pack_scene.h"
 
 namespace turner {
 
-// Scene -> rounded -> shapes -> tree -> packed. Of a large scene no step's value is kept beyond the next. Throws
+// Scene -> rounded -> primitives -> tree -> packed. Values are freed step by step: large scenes need the memory. Throws
 // InputError where the scene does not fit float32 or the kernel.
 PackedScene prepareScene(Scene scene, const RenderSettings& settings);
 

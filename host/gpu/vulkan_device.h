@@ -1,6 +1,5 @@
-// Vulkan held thin: a device with one compute queue, buffers, a compute pipeline, and running commands to their end.
-// Knows nothing of scenes or rays. Included where kernels are run (render.cpp, test kernels): vulkan_raii.hpp is slow
-// to compile.
+// Vulkan held thin: a device with one compute queue, buffers, and running commands to their end.
+// Knows nothing of scenes or rays. Included only where kernels are run: vulkan_raii.hpp is slow to compile.
 #pragma once
 
 #include <cstdint>
@@ -15,24 +14,6 @@
 #include "kernel/buffer_access.h"
 
 namespace turner {
-
-// A Vulkan instance, with the validation layers if the build or TURNER_VALIDATION=1 asks for them. The first complaint
-// of the layers is kept, and throwIfInvalid() throws it: a program that breaks Vulkan's rules has no result.
-class Instance {
- public:
-  Instance();  // throws RunError when there is no Vulkan loader
-  const vk::raii::Instance& vulkan() const { return *instance_; }
-  std::vector<vk::raii::PhysicalDevice> physicalDevices() const;
-  bool hasDebugNames() const { return debugNames_; }
-
- private:
-  vk::raii::Context context_;
-  std::optional<vk::raii::Instance> instance_;
-  std::optional<vk::raii::DebugUtilsMessengerEXT> messenger_;
-  bool debugNames_ = false;
-};
-
-DeviceInfo describeDevice(const vk::raii::PhysicalDevice& device, int index);
 
 // Device-local memory where the device has its own, host-visible where the host reads or writes.
 struct Buffer {

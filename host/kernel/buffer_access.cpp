@@ -1,4 +1,4 @@
-// Names of the ways, for people and for the kernel's preprocessor.
+// Names of the accesses, for users and for the kernel's preprocessor.
 #include "kernel/buffer_access.h"
 
 #include "layout.h"

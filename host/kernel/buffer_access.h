@@ -1,4 +1,4 @@
-// The ways in which a kernel can fetch the scene's rows; shaders/buffer_access.glsl says what they are.
+// The ways in which a kernel can read the scene's rows; shaders/buffer_access.glsl defines them.
 #pragma once
 
 #include <cstdint>
@@ -6,10 +6,10 @@
 
 namespace turner {
 
-// `automatic` is what suits the device, by measurement (docs/performance.md).
+// `automatic`: the fastest on the device, by measurement (docs/performance.md).
 enum class BufferAccess { automatic, texelBuffer, storageBuffer, deviceAddress };
 
-inline constexpr uint32_t kSceneArrays = 6;  // nodes, primitives, vertex normals, materials, lights, cubes
+inline constexpr uint32_t kSceneArrays = 6;  // nodes, primitives, vertex normals, materials, lights, light buffers
 inline constexpr uint32_t kWordBytes = 16;
 
 // "texels", "buffers" or "addresses".

@@ -57,7 +57,7 @@ class FileIncluder : public glslang::TShader::Includer {
   IncludeResult* includeLocal(const char* name, const char* includer, size_t depth) override {
     // glslang never ends a file that includes itself; no honest shader nests this deep.
     constexpr size_t kDeepest = 32;
-    // Only the first error is told. Going on would take forever where a file includes itself twice.
+    // Only the first error is reported. Going on would take forever where a file includes itself twice.
     if (!failure_.empty()) return nullptr;
     const std::string path = (std::filesystem::path(includer).parent_path() / name).string();
     try {
@@ -65,13 +65,13 @@ class FileIncluder : public glslang::TShader::Includer {
       const std::string& text = textOf(path);
       return new IncludeResult(path, text.data(), text.size(), nullptr);
     } catch (const InputError& error) {
-      // Its place is the including line, which glslang adds.
+      // Its location is the including line, which glslang adds.
       failure_ = std::regex_replace(error.what(), std::regex(": error: "), ": ");
       return nullptr;
     }
   }
 
-  // Where glslang goes when includeLocal has failed: there are no other places, but this result carries the message.
+  // Where glslang goes when includeLocal has failed: there are no other folders, but this result carries the message.
   IncludeResult* includeSystem(const char* name, const char*, size_t) override {
     if (failure_.empty()) failure_ = std::string("#include <") + name + ">: write #include \"" + name + '"';
     return new IncludeResult("", failure_.data(), failure_.size(), nullptr);
@@ -142,7 +142,7 @@ std::vector<uint32_t> optimise(const std::vector<uint32_t>& words, const std::st
   return optimised;
 }
 
-// The words and the times.
+// Compiles and optimises; the files are left to the caller.
 Spirv compile(const std::vector<ShaderSource>& sources, FileIncluder& includer, const std::string& preamble) {
   static const GlslangProcess process;
   const std::string& path = sources[0].path;

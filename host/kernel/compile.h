@@ -1,4 +1,5 @@
-// Compiles GLSL to SPIR-V at run time, or finds that it was compiled before. glslang appears in glsl.cpp only.
+// Compiles GLSL to SPIR-V at run time, or finds that it was compiled before. The compiler glslang appears in
+// compile.cpp only.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// The tokens of a GLSL text, each with its place. Knows nothing of what they mean.
+// The tokens of a GLSL text, each with its location. Knows nothing of what they mean.
 #pragma once
 
 #include <string_view>

@@ -124,7 +124,7 @@ Layout readLayout(std::string_view text) {
       line.words.emplace_back(")");
       layout.constants.emplace(name.text, line);
     } else if (tokens[at].kind == GlslKind::word && tokens[at + 1].text == "=") {
-      // However it is declared: const uint a = 1u; says the same to the kernel as TURNER_CONST does.
+      // However it is declared: const uint a = 1u; is the same to the kernel as TURNER_CONST.
       const GlslToken& name = tokens[at];
       Words value = gather(tokens, at += 2, ",;");
       value.offset = name.offset;
@@ -133,7 +133,7 @@ Layout readLayout(std::string_view text) {
   }
   for (const GlslToken& token : readGlslTokens(text)) {
     if (directiveName(token) != "define") continue;
-    // #define a 1u says it as well: the name and the value are the words behind.
+    // #define a 1u declares a constant too: the name and the value are the words behind.
     const std::vector<GlslToken> words = readGlslTokens(token.text.substr(token.text.find("define")));
     if (words.size() < 2) continue;
     Words value;

@@ -1,5 +1,5 @@
-// Holds an edited layout.h against the one that this program was built with. Reads it as text: a changed number would
-// pass every compiler, and the host would go on with the old one.
+// Compares an edited layout.h or interface.h with the one that this program was built with. Reads it as text: a changed
+// number would pass every compiler, and the host would go on with the old one.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace turner {
 
-// Ends a message about what the sources and the program have differently.
+// The end of a message about a difference between the sources and the program.
 inline constexpr char kLayoutRemedy[] =
     " in the running turner, which was built with its own layout.h and cannot follow; build turner with this file, or "
     "take the change back";
@@ -27,8 +27,8 @@ struct LayoutMember {
 // keeps every structure. Empty where there is no such structure.
 std::vector<LayoutMember> layoutMembers(const std::string& structure);
 
-// The sources may add constants and structures, and leave some away. Throws InputError with a line for each constant of
-// the host's that has another value in one of them, by declaration or by #define, and for each of its structures that
+// The sources may add constants and structures, and omit some. Throws InputError with a line for each of the host's
+// constants that has another value in one of them, by declaration or by #define, and for each of its structures that
 // has other members.
 void checkLayout(const std::vector<ShaderSource>& sources);
 

@@ -10,8 +10,8 @@
 namespace turner {
 namespace {
 
-// Whether a token says that its line declares what the host binds.
-bool tellsLayout(std::string_view token) {
+// Whether the line of this token declares what the host binds.
+bool isOfLayout(std::string_view token) {
   return token == "layout" || token == "binding" || token.starts_with("kBind");
 }
 
@@ -42,7 +42,7 @@ SourceLocation findDeclaration(const std::vector<ShaderSource>& sources, const s
       size_t end = i;
       bool hasLayout = false;
       for (; end < tokens.size() && tokens[end].line == tokens[i].line; ++end)
-        hasLayout |= tellsLayout(tokens[end].text);
+        hasLayout |= isOfLayout(tokens[end].text);
       for (; i < end; ++i) {
         const auto number = size_t(std::find(names.begin(), names.end(), tokens[i].text) - names.begin());
         if (number == names.size()) continue;

@@ -1,4 +1,4 @@
-// The places of names in GLSL sources: enough to tell a user where something stands.
+// Source locations of names in GLSL, for messages to the user.
 #pragma once
 
 #include <cstddef>
@@ -14,11 +14,11 @@ SourceLocation locationAt(const ShaderSource& source, size_t offset);
 // "path:line:column: error: "
 std::string faultAt(const SourceLocation& location);
 
-// Where the first of these names that stands in a declaration with a layout stands; failing that, where the first
-// stands that stands anywhere; failing that, the beginning of the shader.
+// The first of these names that occurs in a declaration with a layout; if none does, the first that occurs anywhere; if
+// none does, the beginning of the shader.
 SourceLocation findDeclaration(const std::vector<ShaderSource>& sources, const std::vector<std::string>& names);
 
-// Where a member is declared between the braces behind the structure's or the block's name; false if nowhere.
+// The declaration of a member, between the braces behind the name of its structure or block; false if there is none.
 bool findMember(const std::vector<ShaderSource>& sources, const std::string& structure, const std::string& member,
                 SourceLocation& location);
 

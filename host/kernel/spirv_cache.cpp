@@ -1,5 +1,5 @@
 // A file is: a line that names its format, its key, the two counts, the file numbers, the words, and the SHA-256 in hex
-// of all of that. Its name is its key's, so that a file under another's name is told by its content.
+// of all of that. Its name is its key's, so that a file under another's name is recognised by its content.
 #include "kernel/spirv_cache.h"
 
 #include <fcntl.h>

@@ -1,4 +1,4 @@
-// SPIR-V as a row of instructions. Never reads beyond the words, whatever they say; tells nothing of what they mean.
+// SPIR-V as a sequence of instructions, without their meaning. Never reads beyond the words, whatever they say.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,6 @@
 // What an edited kernel may declare otherwise than the host expects it, and what it may not.
 #include <gmock/gmock.h>
+#include <glslang/SPIRV/spirv.hpp>
 
 #include <algorithm>
 #include <map>
@@ -502,7 +503,7 @@ TEST(KernelCheck, WordsThatAreNoSpirvAreRefused) {
   };
   EXPECT_EQ(complaint(kernel.words), "");
   EXPECT_THAT(complaint({}), HasSubstr("is no valid SPIR-V for Vulkan 1.2"));
-  EXPECT_NE(complaint({0x07230203u}), "");
+  EXPECT_NE(complaint({spv::MagicNumber}), "");
   // Damage in the declarations, here and there: no crash, whatever is made of them.
   for (size_t at = 5; at < 4000; at += 149) {
     for (const uint32_t damage : {0u, 0xffffffffu, 0x0001003bu, 0x7fff001eu}) {
@@ -543,11 +544,10 @@ TEST(SpirvWords, AnAddedMultiplicationIsSeen) {
   const auto words = [](const std::vector<Edit>& edits) {
     return compileGlsl(edited(edits), accessPreamble(BufferAccess::storageBuffer)).words;
   };
-  constexpr uint16_t kOpFMul = 133;
   const std::vector<uint32_t> before = words({});
   const std::vector<uint32_t> after =
       words({{"whitted.comp", "float(SAMPLES * SAMPLES), phase", "float(SAMPLES * SAMPLES) * (sum.x * sum.y), phase"}});
-  EXPECT_GT(countInstructions(after)[kOpFMul], countInstructions(before)[kOpFMul]);
+  EXPECT_GT(countInstructions(after)[spv::OpFMul], countInstructions(before)[spv::OpFMul]);
   EXPECT_GT(compareInstructions(before, after).added, 0u);
 }
 

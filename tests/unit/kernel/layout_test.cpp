@@ -1,5 +1,6 @@
-// shaders/layout.h as C++ compiles it against layout.h as the kernel's SPIR-V has it.
+// shaders/layout.h as C++ compiles it, compared with layout.h as the kernel's SPIR-V has it.
 #include <gtest/gtest.h>
+#include <glslang/SPIRV/spirv.hpp>
 
 #include <cstddef>
 #include <map>
@@ -7,15 +8,12 @@
 #include <utility>
 #include <vector>
 
+#include "kernel/spirv_module.h"
 #include "layout.h"
 #include "support/shader_harness.h"
 
 namespace turner {
 namespace {
-
-// The instructions that this test reads; numbers from the SPIR-V specification.
-constexpr uint32_t kOpName = 5, kOpMemberName = 6, kOpMemberDecorate = 72, kOpDecorate = 71;
-constexpr uint32_t kDecorationArrayStride = 6, kDecorationOffset = 35, kDecorationBinding = 33;
 
 struct SpirvNames {
   std::map<std::pair<std::string, std::string>, uint32_t> offsets;  // (struct, member) -> byte offset
@@ -24,24 +22,17 @@ struct SpirvNames {
 };
 
 SpirvNames readNames(const std::vector<uint32_t>& words) {
-  std::map<uint32_t, std::string> names;
-  std::map<std::pair<uint32_t, uint32_t>, std::string> memberNames;
-  std::map<std::pair<uint32_t, uint32_t>, uint32_t> memberOffsets;
+  const SpirvModule module = readSpirvModule(words);
   SpirvNames result;
-  for (size_t at = 5; at < words.size();) {
-    const uint32_t length = words[at] >> 16, op = words[at] & 0xffff;
-    EXPECT_GT(length, 0u);
-    if (length == 0) break;
-    const auto text = [&](size_t word) { return std::string(reinterpret_cast<const char*>(&words[at + word])); };
-    if (op == kOpName) names[words[at + 1]] = text(2);
-    if (op == kOpMemberName) memberNames[{words[at + 1], words[at + 2]}] = text(3);
-    if (op == kOpMemberDecorate && words[at + 3] == kDecorationOffset)
-      memberOffsets[{words[at + 1], words[at + 2]}] = words[at + 4];
-    if (op == kOpDecorate && words[at + 2] == kDecorationArrayStride) result.arrayStrides.push_back(words[at + 3]);
-    if (op == kOpDecorate && words[at + 2] == kDecorationBinding) ++result.bindings[words[at + 3]];
-    at += length;
+  for (const auto& [member, value] : module.memberDecorations) {
+    const auto& [structure, index, decoration] = member;
+    if (decoration == spv::DecorationOffset)
+      result.offsets[{module.name(structure), module.memberName(structure, index)}] = value;
   }
-  for (const auto& [key, offset] : memberOffsets) result.offsets[{names[key.first], memberNames[key]}] = offset;
+  for (const auto& [decorated, value] : module.decorations) {
+    if (decorated.second == spv::DecorationArrayStride) result.arrayStrides.push_back(value);
+    if (decorated.second == spv::DecorationBinding) ++result.bindings[value];
+  }
   return result;
 }
 
