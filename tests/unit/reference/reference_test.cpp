@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "base/errors.h"
-#include "reference/reference_tree.h"
+#include "reference/box_tree.h"
 #include "support/closed_form.h"
 
 namespace turner {
