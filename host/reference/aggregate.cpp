@@ -173,11 +173,39 @@ Surface Aggregate::triangleSurface(const Ray& ray, const Hit& hit) const {
   return surface;
 }
 
+// ---- Media ----
+
 // By the triangle as a whole, whose vertex normals may look to both sides.
 bool Aggregate::entersMedium(const Ray& ray, double t, uint32_t primitive) const {
   if (isSphere(primitive)) return surfaceAt(ray, {t, primitive, {}}).front;
   const size_t index = triangleIndex(primitive);
-  return facing(scene, scene.triangles[index]) * glm::dot(faceNormals[index], ray.direction) < 0;
+  const uint32_t normals = scene.triangles[index].normals;
+  dvec3 front = faceNormals[index];
+  if (normals != kNoNormals) {
+    const auto& n = scene.normals[normals];
+    if (glm::dot(front, n[0] + n[1] + n[2]) < 0) front = -front;
+  }
+  return glm::dot(front, ray.direction) < 0;
+}
+
+// Counts on the way from the point to infinity how often each medium is left, less how often it is entered. The
+// direction is one that meets no edge of a scene but by bad luck.
+std::vector<uint32_t> Aggregate::mediaAt(const dvec3& point) const {
+  const Ray ray = makeRay(point, glm::normalize(dvec3(0.6180339887, 0.7320508076, 0.4142135624)), kNoPrimitive);
+  std::vector<int> leaves(dielectrics.materials.size());
+  if (leaves.empty()) return {};
+  forCandidates(ray, kFarAway, [&](uint32_t primitive) {
+    const uint32_t medium = mediumOf(primitive);
+    const double t = medium == kNoMedium ? kFarAway : intersect(ray, primitive);
+    // A sphere that the point is not in is entered as often as it is left.
+    const bool counts = t < kFarAway && (!isSphere(primitive) || isInside(point, scene.spheres[primitive]));
+    if (counts) leaves[medium] += entersMedium(ray, t, primitive) ? -1 : 1;
+    return kFarAway;
+  });
+  std::vector<uint32_t> media;
+  for (uint32_t medium = 0; medium < leaves.size(); ++medium)
+    if (leaves[medium] > 0) media.push_back(medium);
+  return media;
 }
 
 }  // namespace turner::reference

@@ -51,6 +51,9 @@ class Aggregate {
   // Whether the ray, which hits an interface of a medium at t, enters the medium there.
   bool entersMedium(const Ray& ray, double t, uint32_t primitive) const;
 
+  // The media that the point is in, ascending.
+  std::vector<uint32_t> mediaAt(const dvec3& point) const;
+
   const Scene& scene;
   const NestedDielectrics dielectrics;
 

@@ -55,6 +55,11 @@ double intersectSphere(const Ray& ray, const Sphere& sphere, bool startsOnIt) {
   return nearestRoot(wideB, wideC, wideB * wideB - wideC);
 }
 
+bool isInside(const dvec3& point, const Sphere& sphere) {
+  const wide3 f = wide3(point) - wide3(sphere.center);
+  return glm::dot(f, f) < wideRadius(sphere) * wideRadius(sphere);
+}
+
 // Without cracks: each vertex is projected without regard to the triangle it is in; neighbours get the same products
 // for their common edge, with opposite signs; and as rounding is monotone, a difference of two rounded products is of
 // the right sign or zero. A ray through an edge or a vertex is therefore inside at least one of the triangles around

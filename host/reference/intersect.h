@@ -29,6 +29,9 @@ inline long double wideRadius(const Sphere& sphere) {
 // The distance at which the ray hits the sphere, or kFarAway.
 double intersectSphere(const Ray& ray, const Sphere& sphere, bool startsOnIt);
 
+// Whether the point is within the sphere's radius.
+bool isInside(const dvec3& point, const Sphere& sphere);
+
 // The distance at which the ray hits the triangle, edges included, or kFarAway. `normal` is its unit normal.
 double intersectTriangle(const Ray& ray, const Triangle& triangle, const dvec3& normal);
 

@@ -77,11 +77,15 @@ bool transmission(const Surface& surface, const dvec3& V, double etaRatio, dvec3
 }  // namespace
 
 Whitted::Whitted(const Aggregate& itsAggregate, const RenderSettings& itsSettings, std::stop_token itsStop)
-    : aggregate(itsAggregate), scene(itsAggregate.scene), settings(itsSettings), stop(std::move(itsStop)) {}
+    : aggregate(itsAggregate),
+      scene(itsAggregate.scene),
+      settings(itsSettings),
+      stop(std::move(itsStop)),
+      eyeMedia(itsAggregate.mediaAt(scene.camera.eye)) {}
 
 dvec3 Whitted::eyeRadiance(const dvec3& direction) {
   ++counts.eye;
-  return radiance(makeRay(scene.camera.eye, direction, kNoPrimitive), aggregate.dielectrics.aroundEye, 1, 1);
+  return radiance(makeRay(scene.camera.eye, direction, kNoPrimitive), eyeMedia, 1, 1);
 }
 
 // What comes back along a ray in these media, which is of this level of its tree and counts in the pixel with this

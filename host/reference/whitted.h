@@ -34,6 +34,7 @@ class Whitted {
   const Scene& scene;
   const RenderSettings& settings;
   std::stop_token stop;
+  Media eyeMedia;  // that the eye is in
 };
 
 }  // namespace turner::reference
