@@ -1,5 +1,6 @@
-// Solids of glass that lie in one another, overlap or touch: where a ray is in several of them, or passes two walls at
-// once, it must be known which of them is seen. Lies below both pack and reference; knows nothing of rays.
+// Nested dielectrics: solids of glass that lie in one another, overlap or touch. Where a ray is in several of them, or
+// hits coincident interfaces, priority decides which of the media is active. Lies below both the kernel's packer and
+// the reference; knows nothing of rays. (Schmidt and Budge, Journal of Graphics Tools 7(2), 2002.)
 #pragma once
 
 #include <cstdint>
@@ -9,15 +10,15 @@
 
 namespace turner {
 
-// A solid is a sphere that transmits light, or triangles of one such material that enclose a volume: every edge of
-// theirs is met as often in one direction as in the other. Spheres and surfaces that face inward are the walls of
-// hollows in the smallest solid of their material whose bounds hold theirs.
+// A solid is a sphere that transmits light, or triangles of one such material that enclose a volume: a closed,
+// consistently oriented surface, in which each edge occurs equally often in both directions. Spheres and surfaces that
+// face inward bound hollows in the smallest solid of their material whose bounds hold theirs.
 inline constexpr uint32_t kNoMedium = UINT32_MAX;
 
 struct NestedDielectrics {
-  // The material of each solid whose bounds or walls meet those of another, or that something opaque lies on so that
-  // only rounding separates them. In order of priority: where two overlap, the later one is seen. It is the smaller one
-  // by the volume within its outer surface; of equal ones that with the later primitives.
+  // The material of each solid whose bounds or surface meet those of another, or that something opaque lies on so that
+  // only rounding separates them. In order of priority: where two overlap, the later one is active. It is the smaller
+  // one by the volume within its outer surface; of equal ones that with the later primitives.
   std::vector<uint32_t> materials;
   // Of each solid a number that it shares with those of the same glass, whose materials are equal but for their names.
   std::vector<uint32_t> glasses;

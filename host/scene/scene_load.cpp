@@ -27,11 +27,7 @@ ParsedScene parseByExtension(const std::string& path) {
                      "; a scene is a .json or an .nff file");
   }
   const std::string text = readTextFile(path);
-  ParsedScene parsed = extension == ".json" ? parseJsonScene(path, text) : parseNffScene(path, text);
-  if (parsed.scene.sources.empty()) {
-    parsed.scene.sources.push_back({std::filesystem::path(path).filename().string(), sha256Hex(text)});
-  }
-  return parsed;
+  return extension == ".json" ? parseJsonScene(path, text) : parseNffScene(path, text);
 }
 
 // Whether the cross product of two edges vanishes. The edges are brought to about 1 first, by powers of two, so that it
@@ -57,18 +53,6 @@ void dropTrianglesWithoutArea(Scene& scene) {
   const size_t dropped = std::erase_if(scene.triangles, hasNoArea);
   if (dropped == 1) scene.notes.push_back("1 triangle without area was dropped");
   if (dropped > 1) scene.notes.push_back(std::to_string(dropped) + " triangles without area were dropped");
-}
-
-// A node of the acceleration structure names its primitives by 27 bits.
-void refuseTooManyPrimitives(const std::string& path, const Scene& scene) {
-  constexpr size_t kMost = (size_t(1) << 27) - 1;
-  const auto refuse = [&](size_t count, const char* what) {
-    if (count <= kMost) return;
-    throw InputError(path + ": error: the scene has " + std::to_string(count) + ' ' + what + "; at most " +
-                     std::to_string(kMost) + " are allowed");
-  };
-  refuse(scene.spheres.size(), "spheres");
-  refuse(scene.triangles.size(), "triangles");
 }
 
 struct Bounds {
@@ -128,7 +112,6 @@ Scene loadScene(const std::string& path) {
   Scene scene = std::move(parsed.scene);
   scene.name = std::filesystem::path(path).stem().string();
   dropTrianglesWithoutArea(scene);
-  refuseTooManyPrimitives(path, scene);
   if (!parsed.hasCamera) scene.camera = fitCamera(scene);
   noteWhatIsMissing(scene, parsed.hasCamera);
   return scene;

@@ -7,19 +7,18 @@
 #include <filesystem>
 #include <future>
 #include <glm/geometric.hpp>
-#include <glm/mat3x3.hpp>
 #include <map>
-#include <numbers>
 #include <optional>
 #include <unordered_map>
 #include <utility>
 
 #include "base/diagnostics.h"
 #include "base/errors.h"
-#include "base/reserve.h"
 #include "base/text_file.h"
 #include "scene/json/json_fields.h"
 #include "scene/json/json_tree.h"
+#include "scene/json/place_mesh.h"
+#include "scene/json/unit_box.h"
 #include "scene/obj/mesh_obj.h"
 
 namespace turner {
@@ -37,12 +36,6 @@ constexpr NumberRule kShare{[](double x) { return x >= 0 && x <= 1; }, "a number
 constexpr NumberRule kFieldOfView{[](double x) { return x > 0 && x < 180; },
                                   "a number of degrees greater than 0 and less than 180"};
 
-// The same direction, its squares far from overflow and underflow.
-glm::dvec3 scaleToUnitBox(const glm::dvec3& v) {
-  const double largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-  return largest > 0 ? v / largest : v;
-}
-
 // Nothing is seen when there is no direction to look in, or when it leaves open how the camera is turned about it.
 const char* findCameraFault(const Camera& camera) {
   const glm::dvec3 view = camera.target - camera.eye;
@@ -56,35 +49,6 @@ const char* findCameraFault(const Camera& camera) {
   if (glm::length(glm::cross(a, b)) <= kLeastSine * glm::length(a) * glm::length(b))
     return "up is parallel to the direction of view; it must point to a side of it";
   return nullptr;
-}
-
-// Cosine and sine; exact for multiples of 90 degrees, where std::cos of the rounded radians is not.
-std::pair<double, double> cosAndSinOfDegrees(double degrees) {
-  int quarter = 0;
-  const double rest = std::remquo(degrees, 90.0, &quarter) * (std::numbers::pi / 180);
-  const double c = std::cos(rest), s = std::sin(rest);
-  switch (quarter & 3) {
-    case 0:
-      return {c, s};
-    case 1:
-      return {-s, c};
-    case 2:
-      return {-c, -s};
-    default:
-      return {s, -c};
-  }
-}
-
-// Rz * Ry * Rx: about x first.
-glm::dmat3 rotationOfDegrees(const glm::dvec3& degrees) {
-  const auto [cx, sx] = cosAndSinOfDegrees(degrees.x);
-  const auto [cy, sy] = cosAndSinOfDegrees(degrees.y);
-  const auto [cz, sz] = cosAndSinOfDegrees(degrees.z);
-  // glm takes columns.
-  const glm::dmat3 rx(1, 0, 0, 0, cx, sx, 0, -sx, cx);
-  const glm::dmat3 ry(cy, 0, -sy, 0, 1, 0, sy, 0, cy);
-  const glm::dmat3 rz(cz, sz, 0, -sz, cz, 0, 0, 0, 1);
-  return rz * ry * rx;
 }
 
 // Takes the scene out of a tree, section by section; faults are noted and reading goes on.
@@ -112,8 +76,6 @@ class SceneReader {
   void readMesh(size_t at, const Field& field);
   void readMaterialName(size_t at, const Field& field, uint32_t& material);
   const Mesh* loadMesh(size_t at, const Field& field, const std::string& file);
-  bool placeMesh(const Mesh& mesh, uint32_t material, double scale, const glm::dvec3& degrees,
-                 const glm::dvec3& translation);
 
   std::filesystem::path folder_;
   JsonFields fields_;
@@ -310,8 +272,7 @@ void SceneReader::readNormals(size_t at, const Field& field, Triangle& triangle)
 void SceneReader::readMesh(size_t at, const Field& field) {
   const Mesh* mesh = nullptr;
   uint32_t material = 0;
-  double scale = 1;
-  glm::dvec3 degrees{0}, translation{0};
+  Placement placement;
   const auto vectorInto = [&](glm::dvec3& vector) {
     return [&](size_t place, const Field& name) { fields_.readVector(place, name, kAnyNumber, vector); };
   };
@@ -323,10 +284,11 @@ void SceneReader::readMesh(size_t at, const Field& field) {
           if (fields_.readString(place, name, "the path of an .obj file", file)) mesh = loadMesh(place, name, file);
         }},
        {"material", true, [&](size_t place, const Field& name) { readMaterialName(place, name, material); }},
-       {"scale", false, [&](size_t place, const Field& name) { fields_.readNumber(place, name, kPositive, scale); }},
-       {"rotate", false, vectorInto(degrees)},
-       {"translate", false, vectorInto(translation)}});
-  if (mesh && !placeMesh(*mesh, material, scale, degrees, translation)) {
+       {"scale", false,
+        [&](size_t place, const Field& name) { fields_.readNumber(place, name, kPositive, placement.scale); }},
+       {"rotate", false, vectorInto(placement.degrees)},
+       {"translate", false, vectorInto(placement.translation)}});
+  if (mesh && !placeMesh(*mesh, material, placement, kLargest, scene_)) {
     fields_.addMessage(at, field, "the mesh, scaled and moved, reaches beyond 1e30; its vertices must stay within");
   }
 }
@@ -362,35 +324,6 @@ const Mesh* SceneReader::loadMesh(size_t at, const Field& field, const std::stri
   }
   scene_.sources.push_back({file, hash.get()});
   return &*mesh;
-}
-
-// Appends the faces; false if one of them would lie out of range.
-bool SceneReader::placeMesh(const Mesh& mesh, uint32_t material, double scale, const glm::dvec3& degrees,
-                            const glm::dvec3& translation) {
-  const glm::dmat3 rotation = rotationOfDegrees(degrees);
-  const auto place = [&](const glm::dvec3& position) { return rotation * (scale * position) + translation; };
-  for (const glm::dvec3& position : mesh.positions) {
-    const glm::dvec3 placed = place(position);
-    if (!(kAnyNumber.holds(placed.x) && kAnyNumber.holds(placed.y) && kAnyNumber.holds(placed.z))) return false;
-  }
-
-  const auto isSmooth = [](const Mesh::Face& face) { return face.normals[0] != UINT32_MAX; };
-  reservePrefaulted(scene_.triangles, mesh.faces.size());
-  reservePrefaulted(scene_.normals, size_t(std::count_if(mesh.faces.begin(), mesh.faces.end(), isSmooth)));
-  for (const Mesh::Face& face : mesh.faces) {
-    Triangle triangle{};
-    triangle.material = material;
-    triangle.normals = kNoNormals;
-    // Placed for each triangle anew, though triangles share vertices: placed copies would take memory and more time.
-    for (size_t i = 0; i < 3; ++i) triangle.vertices[i] = place(mesh.positions[face.vertices[i]]);
-    if (isSmooth(face)) {
-      triangle.normals = static_cast<uint32_t>(scene_.normals.size());
-      std::array<glm::dvec3, 3>& normals = scene_.normals.emplace_back();
-      for (size_t i = 0; i < 3; ++i) normals[i] = rotation * scaleToUnitBox(mesh.normals[face.normals[i]]);
-    }
-    scene_.triangles.push_back(triangle);
-  }
-  return true;
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // The reference against itself: tree against brute force, crop against picture, counts, and what must never happen.
-// Its values are checked in test_closed_form.cpp.
+// Its values are checked in closed_form_test.cpp.
 #include "reference/reference.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "base/errors.h"
-#include "reference/reference_tree.h"
+#include "reference/box_tree.h"
 #include "support/closed_form.h"
 
 namespace turner {

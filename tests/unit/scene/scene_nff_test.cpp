@@ -13,6 +13,7 @@
 #include "base/errors.h"
 #include "base/text_file.h"
 #include "scene/nff/scene_nff.h"
+#include "scene/nff/tessellate_cone.h"
 #include "support/damage.h"
 #include "support/loading_speed.h"
 
@@ -168,9 +169,9 @@ void checkCone(const glm::dvec3& axis, double baseRadius, double apexRadius) {
   std::snprintf(line, sizeof line, "c 0 0 0 %.17g %.17g %.17g %.17g %.17g\n", baseRadius, axis.x, axis.y, axis.z,
                 apexRadius);
   const Scene scene = parse(kMaterial + line);
-  const int pieces = conePieces(length, std::max(r0, r1));
+  const int pieces = nff::conePieces(length, std::max(r0, r1));
   const int stripsAtATip = baseRadius == 0 || apexRadius == 0 ? 1 : 0;
-  ASSERT_EQ(scene.triangles.size(), size_t(2 * pieces - stripsAtATip) * kConeSegments);
+  ASSERT_EQ(scene.triangles.size(), size_t(2 * pieces - stripsAtATip) * nff::kConeSegments);
   double area = 0;
   for (const Triangle& triangle : scene.triangles) {
     ASSERT_LT(triangle.normals, scene.normals.size());
@@ -197,9 +198,9 @@ void checkCone(const glm::dvec3& axis, double baseRadius, double apexRadius) {
     }
   }
   // Open, without overlap: strips of trapezoids between the rims.
-  const double half = M_PI / kConeSegments;
+  const double half = M_PI / nff::kConeSegments;
   const double height = std::hypot(length, (r1 - r0) * std::cos(half));
-  EXPECT_NEAR(area, kConeSegments * (r0 + r1) * std::sin(half) * height, 1e-12 * area);
+  EXPECT_NEAR(area, nff::kConeSegments * (r0 + r1) * std::sin(half) * height, 1e-12 * area);
 }
 
 TEST(Nff, ConesHaveExactRimsAndNormals) {
@@ -242,7 +243,7 @@ TEST(Nff, ConesCloseWithoutGaps) {
       single += partners == 0;
     }
   }
-  EXPECT_EQ(single, 2u * kConeSegments);
+  EXPECT_EQ(single, 2u * nff::kConeSegments);
 }
 
 TEST(Nff, NumbersAndLinesAreChecked) {
@@ -400,7 +401,7 @@ TEST(Nff, SpdScenesHaveTheirPublishedCounts) {
   };
   const std::filesystem::path folder = std::filesystem::path(TURNER_SCENES_DIR) / "spd";
   // The rings' cylinders are 14.8 radii long: four pieces each.
-  const size_t strip = 4 * 2 * kConeSegments;
+  const size_t strip = 4 * 2 * nff::kConeSegments;
   for (const Expected& expected : {Expected{"balls.nff", 3, 7381, 2, 0},
                                    {"gears.nff", 5, 0, 9217 * 2 + 128 * 142, 0},
                                    {"mount.nff", 1, 4, 8192, 0},

@@ -1,5 +1,5 @@
 // Binned surface-area splits, then halves; doubles throughout.
-#include "reference/reference_tree.h"
+#include "reference/box_tree.h"
 
 #include <numeric>
 
