@@ -26,7 +26,7 @@ class Survival(Session):
             for number, (old, new) in ((signal.SIGKILL, (SHADE, HALF)), (signal.SIGSEGV, (HALF, SHADE))):
                 worker = w.worker()
                 os.kill(worker, number)
-                self.assertTrue(wait_until(lambda: worker not in children_of(w.process.pid)), "it is waited for")
+                self.assertTrue(wait_until(lambda: w.worker() != worker), "another one takes its place")
                 self.edit("shade.glsl", old, new)
                 w.picture()
                 w.figures()
@@ -43,7 +43,9 @@ class Survival(Session):
                 w.wait("coarse", version=w.version + 1)
                 os.kill(w.worker(), number)
                 event = w.refused()
-                self.assertIn(f"signal {int(number)}", event["diagnoses"][0]["message"])
+                # Of one that takes more than a second to die, as on a busy machine, the signal is not known.
+                reason = f"signal {int(number)}" + ("" if self.holds_times else "|does not end")
+                self.assertRegex(event["diagnoses"][0]["message"], reason, w)
                 self.assertEqual(self.exr(), before)
                 write_and_rename(self.path("scene.json"), json.dumps(BALL, indent=1).encode())
                 w.picture()

@@ -142,5 +142,6 @@ class Bars(Session):
     save_scene = scenes.Scenes.save_scene
     test_a_newer_save_interrupts_a_long_render = scenes.Scenes.test_a_newer_save_interrupts_a_long_render
     test_ctrl_c_during_a_long_render = scenes.Scenes.test_ctrl_c_during_a_long_render_leaves_the_last_good_picture
+    test_a_renderer_that_dies_at_work = survival.Survival.test_a_renderer_that_dies_at_work
     test_a_renderer_that_is_stopped = survival.Survival.test_a_renderer_that_is_stopped
     test_ctrl_c_at_any_moment = survival.Survival.test_ctrl_c_at_any_moment
