@@ -162,7 +162,7 @@ void buildBlocks(std::span<const LightBufferPoint> points, const LightBufferTree
     if (!face.isEmpty()) face.blocks.resize(size_t(face.blocksOnASide() * face.blocksOnASide()));
   size_t occupants = 0;
   for (const Task& task : tasks) occupants += task.occupants;
-  onAllCores(tasks.size(), [&](size_t i) {
+  parallelFor(tasks.size(), [&](size_t i) {
     const Task& task = tasks[i];
     PlannedFace& plan = faces[task.face];
     const CubeFace face(points[task.face / 6].position, int(task.face % 6));

@@ -74,11 +74,6 @@ void parallelFor(size_t count, const Task& task, const std::function<void(double
   if (failure) std::rethrow_exception(failure);
 }
 
-template <class Task>
-void onAllCores(size_t count, const Task& task) {
-  parallelFor(count, task);
-}
-
 // Runs task(i) for all i below count, in pieces that are worth a thread.
 template <class Task>
 void forAll(size_t count, const Task& task) {

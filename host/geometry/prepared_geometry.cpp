@@ -122,7 +122,7 @@ void giveMediaMaterials(PreparedGeometry& prepared) {
 std::vector<TrianglePair> pairTriangles(Scene& scene) {
   const size_t count = scene.triangles.size();
   std::vector<std::vector<TrianglePair>> pieces((count + kPiece - 1) / kPiece);
-  onAllCores(pieces.size(),
+  parallelFor(pieces.size(),
              [&](size_t i) { pieces[i] = pairPiece(scene, i * kPiece, std::min(count, (i + 1) * kPiece)); });
   std::vector<TrianglePair> pairs;
   size_t total = 0;

@@ -14,6 +14,15 @@ struct Features {
   bool operator==(const Features&) const = default;
 };
 
+// A kernel with nothing compiled out, for measurements.
+inline Features everyFeature(gpu::uint lights) {
+  Features features;
+#define TURNER_FEATURE(Name, id, type, NAME, value, member) features.member = 1;
+#include "interface.h"
+  features.lights = lights;
+  return features;
+}
+
 // Values of the specialisation constants, by their ids.
 using Constants = std::array<gpu::uint, gpu::kSpecCount>;
 

@@ -146,20 +146,7 @@ class TurnerSide {
     const PreparedGeometry prepared = prepareGeometry(std::move(local));
     PackedScene packed = packScene(prepared, buildBvh(prepared.boxes, prepared.firstPair()), settings,
                                    everything_ ? TraversalStart::mixedLists : TraversalStart::lists);
-    if (everything_)
-      packed.features = {.lights = packed.features.lights,
-                         .spheres = true,
-                         .triangles = true,
-                         .smoothNormals = true,
-                         .highlights = true,
-                         .reflection = true,
-                         .refraction = true,
-                         .falloff = true,
-                         .nearSpheres = true,
-                         .farSpheres = true,
-                         .dielectrics = true,
-                         .nearestNodes = true,
-                         .shadowNodes = true};
+    if (everything_) packed.features = everyFeature(packed.features.lights);
     const Built built{secondsSince(start), packed.bytes()};
     renderer_.upload(packed);
     return built;

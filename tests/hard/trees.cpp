@@ -44,7 +44,7 @@ template <class TruthOf>
 void compareIds(const Bench& bench, const std::vector<Query>& queries, Mismatches& mismatches, const TruthOf& truthOf) {
   const std::vector<Found> turner = bench.kernels.trace(queries);
   const std::vector<Found> naive = bench.kernels.trace(queries, Tracer::naive);
-  onAllCores(queries.size(), [&](size_t i) {
+  parallelFor(queries.size(), [&](size_t i) {
     const Truth truth = truthOf(queries[i].ray);
     ++mismatches.rays;
     if (!truth.sure) {
@@ -92,7 +92,7 @@ IdPicture renderIds(Scene scene, int size) {
 void compareIdsInPicture(const Scene& scene, int size, Mismatches& mismatches) {
   const Scene local = roundScene(scene);
   const IdPicture picture = renderIds(scene, size);
-  onAllCores(picture.ids.size(), [&](size_t i) {
+  parallelFor(picture.ids.size(), [&](size_t i) {
     const Truth truth = bruteForce(local, dvec3(0), picture.directions[i]);
     ++mismatches.rays;
     if (truth.sure)

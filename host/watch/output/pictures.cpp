@@ -24,7 +24,7 @@ std::vector<std::string> writeOutputs(const WatchPlan& plan, const Image& image,
   Provenance provenance = provenanceOf(scene);
   if (coarse) provenance.strings.emplace_back("turner:coarse", std::to_string(kCoarseStride));
   std::vector<std::string> faults(plan.outputs.size());
-  onAllCores(plan.outputs.size(), [&](size_t i) {
+  parallelFor(plan.outputs.size(), [&](size_t i) {
     try {
       plan.writePicture(plan.outputs[i], image, provenance);
     } catch (const std::runtime_error& error) {
