@@ -7,7 +7,7 @@ from support.settings import ROOT
 
 
 class PlantedErrors(InFolder):
-    PIXELS = "pixels[at] = packRow(sum / float(SAMPLES * SAMPLES), phase);"
+    PIXELS = "pixels[pixelAt] = packWord(sum / float(SAMPLES * SAMPLES), phase);"
 
     def measure_with(self, *shaders):
         report = self.measure(ROOT / "scenes/spheres.json", "--width", "160", "--max-samples", "2", "--repeats", "1",

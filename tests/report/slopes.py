@@ -56,7 +56,7 @@ class Slopes(InFolder):
         self.check("cliff_hanger")
 
     def test_random_samples_are_told_from_stratified_ones(self):
-        shaders = self.shaders_with("camera.glsl", "  if (SAMPLER == kSobol) {",
+        shaders = self.shaders_with("sampling.glsl", "  if (SAMPLER == kSobol) {",
                                     "  if (SAMPLER == kJitter) return offset;\n  if (SAMPLER == kSobol) {")
         file, width, crop, most = self.SCENES["spheres"]
         report = self.measure(ROOT / file, "--width", str(width), "--crop", crop, "--max-samples", str(most), "--repeats",

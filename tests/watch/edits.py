@@ -34,7 +34,7 @@ class Shaders(Session):
         with self.watch() as w:
             w.picture()
             self.edit("shade.glsl", SHADE, HALF, write_in_place)
-            self.edit("whitted.comp", "weight * xyz(frame.background)", "0.5 * weight * xyz(frame.background)")
+            self.edit("whitted.comp", "weight * frame.background", "0.5 * weight * frame.background")
             w.picture()
             self.assertEqual(sorted(w.figures()["changed"]), ["shade.glsl", "whitted.comp"], w)
             self.assertEqual(Exr(self.path("out.exr")).pixel(0, 0), (0.125, 0.25, 0.5))

@@ -10,7 +10,7 @@ from support.session import MAIN, SHADE, Session
 
 # lavapipe ends the loops of an invocation after 65,535 turns in all: each of them must be long.
 HANG = f"""
-  float hang = float(frame.background.w);
+  float hang = float(frame.canaryLength);
   for (uint a = 0u; a < 60000u; ++a)
     for (uint b = 0u; b < 60000u; ++b) {{
       {"hang = fract(sin(hang) * 43758.5); " * 256}
@@ -122,12 +122,12 @@ class Harm(Session):
                 # Known to the compiler.
                 ("shade.glsl", SHADE, f"{table} return table[3] * E;"),
                 # A local array; how far is known only when it runs.
-                ("shade.glsl", SHADE, f"{table} return table[frame.background.w * 1000000u] * E;"),
-                ("shade.glsl", SHADE, f"{table} table[frame.background.w * 100000u] = 2.0; return table[1] * E;"),
+                ("shade.glsl", SHADE, f"{table} return table[frame.canaryLength * 1000000u] * E;"),
+                ("shade.glsl", SHADE, f"{table} table[frame.canaryLength * 100000u] = 2.0; return table[1] * E;"),
                 # Buffers: read, written.
                 ("shade.glsl", SHADE, "return E * xyz(ROW(materials, 0x0fffffffu));"),
-                ("whitted.comp", "pixels[at] = packRow", "pixels[at + 0x03ffffffu] = packRow"),
-                ("whitted.comp", "pixels[at] = packRow", "pixels[at * 4096u] = packRow"),
+                ("whitted.comp", "pixels[pixelAt] = packWord", "pixels[pixelAt + 0x03ffffffu] = packWord"),
+                ("whitted.comp", "pixels[pixelAt] = packWord", "pixels[pixelAt * 4096u] = packWord"),
             ):
                 with self.subTest(new):
                     self.check_survives(w, name, old, new)
@@ -160,7 +160,7 @@ class Harm(Session):
         """lavapipe 22.3 dies of it."""
         with self.watch() as w:
             w.picture()
-            new = "shared uint far[64];\nvoid main() { far[frameInMemory.background.w * 0x1000000u] = 1u;"
+            new = "shared uint far[64];\nvoid main() { far[frameInMemory.canaryLength * 0x1000000u] = 1u;"
             event, _ = self.check_survives(w, "whitted.comp", MAIN, new)
             if event["event"] == "picture":
                 return say_not_possible("to make the driver crash")

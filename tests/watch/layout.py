@@ -20,18 +20,18 @@ class Layout(Session):
             self.assertEqual(self.exr(), before)
 
     def test_a_binding_that_the_host_lacks(self):
-        self.check_refused("whitted.comp", "binding = kBindPixels)", "binding = 12)", "whitted.comp", "12")
+        self.check_refused("interface.h", "TURNER_BLOCK(Pixels, 2,", "TURNER_BLOCK(Pixels, 12,", "interface.h", "12")
 
     def test_two_bindings_in_each_others_place(self):
-        text = self.source("whitted.comp").read_text()
-        text = text.replace("binding = kBindPixels", "binding = X").replace("binding = kBindState", "binding = kBindPixels")
+        text = self.source("interface.h").read_text()
+        text = text.replace("(Pixels, 2,", "(Pixels, 1,").replace("(State, 1,", "(State, 2,")
         with self.watch() as w:
             w.picture()
             before = self.exr()
-            self.save("whitted.comp", text.replace("binding = X", "binding = kBindState"))
+            self.save("interface.h", text)
             event = w.refused()
             self.assertEqual(event["step"], "check", w)
-            self.assert_diagnosis(w, event, "whitted.comp")
+            self.assert_diagnosis(w, event, "interface.h")
             self.assertEqual(self.exr(), before)
 
     def test_a_work_group_of_another_size(self):
@@ -48,17 +48,17 @@ class Layout(Session):
         self.check_refused("layout.h", "kRefNone = 0xffffffffu;", "kRefNone = 0xfffffffdu;", "layout.h", "kRefNone")
 
     def test_a_binding_of_another_number(self):
-        self.check_refused("layout.h", "kBindMaterials = 7u;", "kBindMaterials = 8u;", "layout.h", "kBindMaterials")
+        self.check_refused("interface.h", "TURNER_ARRAY(Materials, 7,", "TURNER_ARRAY(Materials, 8,", "interface.h", "Materials")
 
     def test_what_the_host_can_follow(self):
         with self.watch() as w:
             w.picture()
             before = self.exr()
-            self.edit("layout.h", "kLightBufferRows = 6u;", "kLightBufferRows = 6u;  // one for each face")
+            self.edit("layout.h", "kCanaryLength = 4u;", "kCanaryLength = 4u;  // turns,")
             w.picture()
             self.assertEqual(self.exr(), before)
             text = self.source("layout.h").read_text()
-            self.save("layout.h", text.replace("TURNER_CONST kLightBufferRows", "TURNER_CONST kMine = 2u;\nTURNER_CONST kLightBufferRows"))
+            self.save("layout.h", text.replace("TURNER_CONST kCanaryLength", "TURNER_CONST kMine = 2u;\nTURNER_CONST kCanaryLength"))
             w.picture()
             self.assertEqual(self.exr(), before)
             self.edit("shade.glsl", SHADE, SHADE.replace("E", "float(kMine) * E", 1))

@@ -124,7 +124,7 @@ class Moments(Session):
             w.picture()
             w.figures()
             work = "for (int i = 0; i < 60; ++i) E = fract(E * 1.37 + 0.01 * sin(E));\n  "
-            self.edit("whitted.comp", MAIN, MAIN + " vec3 E = vec3(gl_WorkGroupID) + float(frameInMemory.background.w); " + work + "if (E.x == 7.0) return;")
+            self.edit("whitted.comp", MAIN, MAIN + " vec3 E = vec3(gl_WorkGroupID) + float(frameInMemory.canaryLength); " + work + "if (E.x == 7.0) return;")
             w.picture()
             self.assertGreater(w.figures()["trace"]["ratio"], 1.05, w)
 
