@@ -2,7 +2,7 @@
 // references. Read by C++ (as namespace turner::gpu) and by GLSL; interface.h lists the constants and bindings.
 //
 // Memory is made of words of 16 bytes, Word4: each vec3 is followed by a scalar, so that std430 and C++ agree without a
-// device feature. Blocks (Frame, Tile, Status) are read by their members; all other structures are loaded by scene.glsl.
+// device feature. Blocks (Frame, Tile, Status) are read by their members; the structures of the scene stand in scene.h, with their loads.
 #ifndef TURNER_LAYOUT_H
 #define TURNER_LAYOUT_H
 
@@ -136,121 +136,6 @@ struct Status {
   uint mediaLost;  // invocations with a ray that was in more than kMaxMedia media, or passed too many hidden interfaces
 };
 
-// --- the scene ------------------------------------------------------------------------------------------------------
-// A node of the tree: two children with their boxes (Aila and Laine 2009 keep both in the parent), each plane in a
-// byte: plane = origin + byte * 2^(exponent - 127), rounded outward (Mahovsky and Wyvill 2006 encode boxes relative to
-// their parent's). A node's inner child stands next to it; of two inner children the first.
-struct Node {
-  vec3 origin;
-  // Those of x, y, z in bytes 0 to 2; byte 3: bit 0 and 1: child 0, child 1 is a leaf (never child 1 alone); of a second
-  // leaf, which stands behind the first: bits 3..2: primitives, less 1, bit 4: triangle pairs.
-  uint exponents;
-  uvec3 planes;    // lo 0, hi 0, lo 1, hi 1: bytes of an integer for each axis
-  uint reference;  // the one child reference that cannot be derived from the others
-};
-
-// Primitives stand in the order of the leaves. Tie-break: among hits at equal t the smallest rank wins; opaque ones come
-// first, in the order of their ids, then glass.
-struct Sphere {
-  vec3 center;
-  float radius;  // negative: the surface faces inward
-  uint rank;
-  uint material;    // with kNearEye where the eye is near the surface; then:
-  uint nearSphere;  // word of its NearSphere in the array of materials
-  float eyePower;   // |center|^2 - radius^2
-};
-TURNER_CONST kNearEye = 0x80000000u;
-
-// What a sphere's center and the eye's power lose to float; behind the materials.
-struct NearSphere {
-  vec3 centerRest;
-  float eyePowerRest;
-};
-
-// N.x = offset; N is unit, on the counter-clockwise side, both computed in double by the host.
-struct Plane {
-  vec3 normal;
-  float offset;
-};
-
-// Two triangles that share an edge: v0 v1 v2 and v3 v2 v1, seen counter-clockwise from their fronts. One that is alone
-// has v1 once more as v3, so that the other is a line and never hit.
-struct TrianglePair {
-  vec3 v0;
-  uint rank0;  // of the first
-  vec3 v1;
-  uint material;  // of both
-  vec3 v2;
-  uint normals;  // index of the vertex normals of the first, those of the second are next; or kRefNone
-  vec3 v3;
-  uint rank1;  // of the second, or kRefNone
-  Plane planes[2];
-};
-
-struct VertexNormals {
-  vec3 n0;
-  uint padding0;
-  vec3 n1;
-  uint padding1;
-  vec3 n2;
-  uint padding2;
-};
-
-struct Material {
-  vec3 diffuse;         // k_d
-  float reflectance;    // r
-  vec3 specular;        // k_s
-  float transmittance;  // t
-  float shininess;      // n
-  float eta;            // index of refraction
-  float localWeight;    // w_local
-  // Medium id for nested dielectrics, shared by those of the same glass; 0 if none. Every overlapping solid has its own
-  // material; a larger material index has priority (nested_dielectrics.glsl).
-  uint glass;
-};
-TURNER_CONST kMaxMedia = 8u;          // that a ray can be in at once
-TURNER_CONST kMaxMaterials = 32768u;  // where media are numbered
-
-struct Light {
-  vec3 position;
-  uint falloff;  // 1: inverse-square
-  vec3 color;    // E
-  uint padding;
-};
-
-// One face of the cube of directions around a point that many rays share: the eye, or a light. Coordinates on the face
-// are u = a / c, v = b / c, where c is the coordinate along the face's axis and a, b the next two in cyclic order.
-// Faces: +x, -x, +y, -y, +z, -z; the eye's, then each light's. Behind the faces stand coarse cells, fine cells and the
-// lists, all in one array (host/accel/light_buffer).
-struct LightBufferFace {
-  vec2 corner;         // u, v
-  float cellsPerUnit;  // coarse cells per unit of u and of v
-  uint cells;          // coarse cells on a side, | 256 times the word of the first of them
-};
-
-struct CoarseCell {
-  uint firstFineCell;  // its word
-  uint side;           // fine cells on a side
-  uint padding0, padding1;
-};
-
-// The cell list of a fine cell: entries, counted in halves of a word. They are sorted by distance; where lists hold no
-// nodes, spheres come before triangle pairs.
-struct FineCell {
-  uint first, end;
-  uint firstPair;
-  uint padding;
-};
-
-struct ListEntry {
-  uint reference;
-  float distance;  // least distance along the face's axis of what it refers to
-};
-
-// Sizes in words, for the loads of scene.glsl.
-TURNER_CONST kNodeWords = 2u, kSphereWords = 2u, kPairVertexWords = 4u, kVertexNormalsWords = 3u, kMaterialWords = 3u,
-             kLightWords = 2u, kLightBufferFaces = 6u;
-
 // --- the invocations' state (resume.glsl) ---------------------------------------------------------------------------
 // The fourth word of a pixel that is finished; other values are path states (resume.glsl).
 TURNER_CONST kPixelDone = 5u;
@@ -272,18 +157,11 @@ static_assert(sizeof(Word4) == 16);
 static_assert(sizeof(Frame) == 224);
 static_assert(sizeof(Tile) == 32);
 static_assert(sizeof(Status) == 16);
-static_assert(sizeof(Node) == kNodeWords * sizeof(Word4));
-static_assert(sizeof(Sphere) == kSphereUnits * kUnitWords * sizeof(Word4) && kSphereWords == kSphereUnits * kUnitWords);
-static_assert(sizeof(NearSphere) == sizeof(Word4));
-static_assert(sizeof(TrianglePair) == kPairUnits * kUnitWords * sizeof(Word4));
-static_assert(sizeof(TrianglePair) == kPairVertexWords * sizeof(Word4) + 2 * sizeof(Plane));
-static_assert(sizeof(VertexNormals) == kVertexNormalsWords * sizeof(Word4));
-static_assert(sizeof(Material) == kMaterialWords * sizeof(Word4));
-static_assert(sizeof(Light) == kLightWords * sizeof(Word4));
-static_assert(sizeof(LightBufferFace) == sizeof(Word4));
-static_assert(sizeof(CoarseCell) == sizeof(Word4) && sizeof(FineCell) == sizeof(Word4));
-static_assert(2 * sizeof(ListEntry) == sizeof(Word4));
 }  // namespace turner::gpu
 #endif
 #undef TURNER_CONST
+
+#ifdef __cplusplus
+#include "scene.h"
+#endif
 #endif

@@ -93,8 +93,8 @@ Ray leaveToLight(const Surface surface, const uint primitive, const vec3 lightPo
 }
 
 // Whether a light stands above both the surface and its shading normal, so that a shadow ray is worth its time.
-bool facesLight(const Surface surface, const vec3 lightPosition) {
-  vec3 L = lightPosition - surface.point;
+bool facesLight(const Surface surface, const Light light) {
+  vec3 L = light.position - surface.point;
   return dot(surface.Ns, L) > 0.0 && dot(surface.Ng, L) > 0.0;
 }
 

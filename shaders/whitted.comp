@@ -20,7 +20,7 @@ const uint kEye = 0u, kReflected = 1u, kRefracted = 2u, kShadow = 3u;
 uvec4 raysSpawned, nodesVisited, primitivesVisited;
 
 #include "buffer_access.glsl"
-#include "scene.glsl"
+#include "scene.h"
 #include "float_float.glsl"
 #include "sampling.glsl"
 #include "camera.glsl"
@@ -71,7 +71,7 @@ void addLight(const Surface surface, const Material material, inout int budget) 
   Light light = lightAt(lightIndex);
   Ray shadowRay = leaveToLight(surface, hitPrimitive, light.position);
   RayFactors factors = rayFactors(shadowRay.direction);
-  bool faces = facesLight(surface, light.position);
+  bool faces = facesLight(surface, light);
   if (phase == kNextLight && faces) {
     // Seen from the light, the ray comes through the opposite face. The light's own end is open: what stands exactly at
     // the light does not block it.

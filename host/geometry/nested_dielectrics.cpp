@@ -2,11 +2,12 @@
 #include "geometry/nested_dielectrics.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <map>
 #include <numbers>
+#include <type_traits>
+#include <vector>
 
 #include "geometry/nested_dielectrics/closed_surfaces.h"
 #include "geometry/nested_dielectrics/contacts.h"
@@ -53,12 +54,15 @@ double windingNumber(const Scene& scene, const Surface& surface, const dvec3& p)
 }
 
 // What a material is but for its name, as float32 has it.
-std::array<float, 11> valuesOf(const Material& m) {
-  std::array<float, 11> values{};
-  size_t i = 0;
-  for (const double value : {m.diffuse.x, m.diffuse.y, m.diffuse.z, m.specular.x, m.specular.y, m.specular.z,
-                             m.shininess, m.reflect, m.transmit, m.eta, m.localWeight})
-    values[i++] = float(value);
+std::vector<float> valuesOf(const Material& material) {
+  std::vector<float> values;
+  const auto put = [&](double value) { values.push_back(float(value)); };
+  Material::visitValues(material, [&](const auto& value) {
+    if constexpr (std::is_same_v<std::decay_t<decltype(value)>, double>)
+      put(value);
+    else
+      put(value.x), put(value.y), put(value.z);
+  });
   return values;
 }
 
@@ -84,7 +88,7 @@ NestedDielectrics findNestedDielectrics(const Scene& scene) {
   });
   result.ofSpheres.assign(scene.spheres.size(), kNoMedium);
   result.ofTriangles.assign(scene.triangles.size(), kNoMedium);
-  std::map<std::array<float, 11>, uint32_t> glasses;
+  std::map<std::vector<float>, uint32_t> glasses;
   for (uint32_t rank = 0; rank < order.size(); ++rank) {
     const Solid& solid = solids[order[rank]];
     result.materials.push_back(solid.outer().material);

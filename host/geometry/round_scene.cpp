@@ -80,15 +80,10 @@ Scene roundScene(Scene scene) {
     light.position = toLocal(light.position);
     // E / d^2 keeps its value when both are scaled.
     if (light.falloff == Falloff::inverseSquare) light.color *= frame.scale * frame.scale;
-    light.color = rounded(light.color);
+    light.visitValues([](auto& value) { value = rounded(value); });
   }
-  for (Material& material : local.materials) {
-    material.diffuse = rounded(material.diffuse);
-    material.specular = rounded(material.specular);
-    for (double* value :
-         {&material.shininess, &material.reflect, &material.transmit, &material.eta, &material.localWeight})
-      *value = rounded(*value);
-  }
+  for (Material& material : local.materials)
+    Material::visitValues(material, [](auto& value) { value = rounded(value); });
   forAll(local.spheres.size(), [&](size_t i) { local.spheres[i] = rounded(local.spheres[i], frame); });
   forAll(local.triangles.size(), [&](size_t i) {
     for (glm::dvec3& vertex : local.triangles[i].vertices) vertex = toLocal(vertex);

@@ -23,6 +23,12 @@ struct Light {
   glm::dvec3 position{0, 0, 0};
   glm::dvec3 color{1, 1, 1};  // E_i of the light transport (docs: scenes); times 1/d^2 for inverseSquare
   Falloff falloff = Falloff::none;
+
+  // Visits what is neither a place nor a choice, as dvec3& and double&: roundScene rounds it as it is.
+  template <class Visit>
+  void visitValues(Visit&& visit) {
+    visit(color);
+  }
 };
 
 struct Material {
@@ -34,6 +40,13 @@ struct Material {
   double transmit = 0;           // t
   double eta = 1.5;              // eta, looked at only where transmit > 0
   double localWeight = 1;        // w_local: 1 - r - t in a scene of ours, 1 in NFF
+
+  // Visits all values, as dvec3& and double&: they are rounded, and compared, one like the other.
+  template <class Self, class Visit>
+  static void visitValues(Self& m, Visit&& visit) {
+    for (auto* v : {&m.diffuse, &m.specular}) visit(*v);
+    for (auto* x : {&m.shininess, &m.reflect, &m.transmit, &m.eta, &m.localWeight}) visit(*x);
+  }
 };
 
 struct Sphere {

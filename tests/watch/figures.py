@@ -42,7 +42,7 @@ class Figures(Session):
             w.picture()
             shadow = w.figures()["rays"]["shadow"]
             self.assertGreater(shadow, 0)
-            self.edit("whitted.comp", "bool faces = facesLight(surface, light.position);", "bool faces = false;")
+            self.edit("whitted.comp", "bool faces = facesLight(surface, light);", "bool faces = false;")
             w.picture()
             self.assertEqual(w.figures()["rays_change"]["shadow"], -shadow, w)
 

@@ -11,7 +11,7 @@ layout(std430, binding = kBindLitGiven) readonly buffer GivenBuffer { Word4 give
 layout(std430, binding = kBindLitFound) writeonly buffer FoundBuffer { Word4 found[]; };
 
 #include "../../../shaders/buffer_access.glsl"
-#include "../../../shaders/scene.glsl"
+#include "../../../shaders/scene.h"
 #include "../../../shaders/float_float.glsl"
 #include "../../../shaders/nested_dielectrics.glsl"
 #include "../../../shaders/intersect.glsl"
@@ -42,7 +42,7 @@ void main() {
     radiance = textbookReflected(surface, V, light, material);
     power = pow(1.0 - q, n);
   } else {
-    if (facesLight(surface, light.position)) radiance = lightReflected(surface, V, light, material);
+    if (facesLight(surface, light)) radiance = lightReflected(surface, V, light, material);
     power = powOneMinus(q, n);
   }
   found[kLitFoundRows * i + kLitRadiance] = Word4(floatBitsToUint(radiance), floatBitsToUint(power));

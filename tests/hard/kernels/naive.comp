@@ -14,7 +14,7 @@ layout(std430, binding = kBindGiven) readonly buffer GivenBuffer { Word4 given[]
 layout(std430, binding = kBindFound) writeonly buffer FoundBuffer { Word4 found[]; };
 
 #include "../../../shaders/buffer_access.glsl"
-#include "../../../shaders/scene.glsl"
+#include "../../../shaders/scene.h"
 
 const float kFarAway = 1e38;
 

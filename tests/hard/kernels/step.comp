@@ -14,7 +14,7 @@ Frame frame;
 uvec4 nodesVisited, primitivesVisited;
 
 #include "../../../shaders/buffer_access.glsl"
-#include "../../../shaders/scene.glsl"
+#include "../../../shaders/scene.h"
 #include "../../../shaders/float_float.glsl"
 #include "../../../shaders/nested_dielectrics.glsl"
 #include "../../../shaders/intersect.glsl"
@@ -58,7 +58,7 @@ void main() {
     }
     if (next.w == kNextLight) {
       leaving = leaveToLight(surface, traversal.hit, xyz(next));
-      leaves = facesLight(surface, xyz(next));
+      leaves = facesLight(surface, Light(xyz(next), 0u, vec3(1), 0u));
     }
     if (next.w == kNextReflected) {
       leaving = leaveSurface(surface, traversal.hit, reflection(surface, ray.direction), true);

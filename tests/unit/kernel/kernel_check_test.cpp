@@ -165,7 +165,7 @@ TEST(KernelCheck, AConstantIdOfTheUsersOwnPasses) {
 TEST(KernelCheck, AnUnusedBindingMayGo) {
   const std::vector<Edit> edits = {
       {"buffer_access.glsl", "WORDS(lights, kBindLights);", ""},
-      {"scene.glsl", "Word4 a = WORD4(lights, kLightWords * index), b = WORD4(lights, kLightWords * index + 1u);",
+      {"scene.h", "Word4 a = WORD4(lights, kLightWords * index), b = WORD4(lights, kLightWords * index + 1u);",
        "Word4 a = Word4(0u), b = Word4(0u);"}};
   for (const BufferAccess access : kAllWays) EXPECT_EQ(complaintAbout(edits, access), "") << accessName(access);
 }

@@ -60,8 +60,8 @@ TEST(LayoutText, AnotherValueIsRefusedWithPlaceAndRemedy) {
 }
 
 TEST(LayoutText, AnotherValueInAListIsRefused) {
-  EXPECT_THAT(afterEdit("kSphereWords = 2u", "kSphereWords = 3u"),
-              StartsWith(placeOf("kSphereWords = 2u") + "kSphereWords is 3u here, but 2u in"));
+  EXPECT_THAT(afterEdit("kPairUnits = 3u", "kPairUnits = 4u"),
+              StartsWith(placeOf("kPairUnits = 3u") + "kPairUnits is 4u here, but 3u in"));
 }
 
 TEST(LayoutText, AnotherValueByDefineIsRefused) {
