@@ -113,7 +113,7 @@ TEST(Render, KernelsInTurnKeepTheirOwnPictures) {
   const Image expected = renderShader(scene, settings);
   std::vector<ShaderSource> sources = readShaderSources(TURNER_SHADERS_DIR "/whitted.comp");
   std::string& text = *sources[0].text;
-  const std::string factor = "weight * localWeight(material)";
+  const std::string factor = "weight * material.localWeight";
   ASSERT_NE(text.find(factor), std::string::npos);
   text.replace(text.find(factor), factor.size(), "0.0 * " + factor);
   const Spirv dark = compileGlsl(sources, accessPreamble(test::renderer().access()));
