@@ -1,5 +1,6 @@
 // The kernel's interface, a line for each specialisation constant and each binding. Read by C++ and GLSL as often as
 // they need it: whoever includes it first defines the macros that it wants expanded, the others expand to nothing.
+// clang-format off
 //
 //   TURNER_CONSTANT(Name, id, type, NAME, value)         what settings and device decide; value: where none is given
 //   TURNER_FEATURE(Name, id, type, NAME, value, member)  what a scene needs; member: of Features (host/kernel/features.h)
@@ -61,3 +62,4 @@ TURNER_ARRAY(LightBuffers, 9, lightBuffers, "the light buffers")
 #undef TURNER_FEATURE
 #undef TURNER_BLOCK
 #undef TURNER_ARRAY
+// clang-format on

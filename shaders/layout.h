@@ -2,7 +2,8 @@
 // references. Read by C++ (as namespace turner::gpu) and by GLSL; interface.h lists the constants and bindings.
 //
 // Memory is made of words of 16 bytes, Word4: each vec3 is followed by a scalar, so that std430 and C++ agree without a
-// device feature. Blocks (Frame, Tile, Status) are read by their members; the structures of the scene stand in scene.h, with their loads.
+// device feature. Blocks (Frame, Tile, Status) are read by their members; the structures of the scene stand in scene.h,
+// with their loads.
 #ifndef TURNER_LAYOUT_H
 #define TURNER_LAYOUT_H
 
@@ -32,8 +33,8 @@ using Word4 = uvec4;
 // --- references -----------------------------------------------------------------------------------------------------
 // Traversal reference: the index of an inner node, or a leaf of 1 to kMaxLeafSize consecutive primitives of one type. A
 // primitive is a sphere or a pair of triangles.
-//   bit 31: leaf | bit 30: triangle pairs, else spheres | bits 29..28: primitives, less 1 | bit 27: the first triangle of
-//   the first pair was tested already (resumed traversal) | bits 26..0: offset of the first
+//   bit 31: leaf | bit 30: triangle pairs, else spheres | bits 29..28: primitives, less 1 | bit 27: the first triangle
+//   of the first pair was tested already (resumed traversal) | bits 26..0: offset of the first
 // Offsets count units of kUnitWords words.
 TURNER_CONST kRefLeaf = 0x80000000u;
 TURNER_CONST kRefTriangle = 0x40000000u;

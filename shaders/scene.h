@@ -1,5 +1,5 @@
-// The scene as structures, and their loads. Read by C++, behind layout.h, and by GLSL, behind buffer_access.glsl: the only
-// file of the kernel that loads words of the scene and casts their bits.
+// The scene as structures, and their loads. Read by C++, behind layout.h, and by GLSL, behind buffer_access.glsl: the
+// only file of the kernel that loads words of the scene and casts their bits.
 #ifndef TURNER_SCENE_H
 #define TURNER_SCENE_H
 
@@ -9,8 +9,12 @@ namespace turner::gpu {
 #else
 #define TURNER_CONST const uint
 
-vec3 xyz(const Word4 word) { return uintBitsToFloat(word.xyz); }
-Word4 packWord(const vec3 v, const uint w) { return Word4(floatBitsToUint(v), w); }
+vec3 xyz(const Word4 word) {
+  return uintBitsToFloat(word.xyz);
+}
+Word4 packWord(const vec3 v, const uint w) {
+  return Word4(floatBitsToUint(v), w);
+}
 #endif
 
 // A node of the tree: two children with their boxes (Aila and Laine 2009 keep both in the parent), each plane in a
@@ -18,8 +22,8 @@ Word4 packWord(const vec3 v, const uint w) { return Word4(floatBitsToUint(v), w)
 // their parent's). A node's inner child stands next to it; of two inner children the first.
 struct Node {
   vec3 origin;
-  // Those of x, y, z in bytes 0 to 2; byte 3: bit 0 and 1: child 0, child 1 is a leaf (never child 1 alone); of a second
-  // leaf, which stands behind the first: bits 3..2: primitives, less 1, bit 4: triangle pairs.
+  // Those of x, y, z in bytes 0 to 2; byte 3: bit 0 and 1: child 0, child 1 is a leaf (never child 1 alone); of a
+  // second leaf, which stands behind the first: bits 3..2: primitives, less 1, bit 4: triangle pairs.
   uint exponents;
   uvec3 planes;    // lo 0, hi 0, lo 1, hi 1: bytes of an integer for each axis
   uint reference;  // the one child reference that cannot be derived from the others
@@ -32,8 +36,8 @@ Node nodeAt(const uint index) {
 }
 #endif
 
-// Primitives stand in the order of the leaves. Tie-break: among hits at equal t the smallest rank wins; opaque ones come
-// first, in the order of their ids, then glass.
+// Primitives stand in the order of the leaves. Tie-break: among hits at equal t the smallest rank wins; opaque ones
+// come first, in the order of their ids, then glass.
 struct Sphere {
   vec3 center;
   float radius;  // negative: the surface faces inward
@@ -92,8 +96,8 @@ TrianglePair trianglePairAt(const uint offset) {
   return TrianglePair(xyz(a), a.w, xyz(b), b.w, xyz(c), c.w, xyz(d), d.w, Plane[2](none, none));
 }
 
-// The plane of a pair's first (0) or second (1) triangle. Where none is needed, the pair's first word is read once more,
-// so that no other memory is touched.
+// The plane of a pair's first (0) or second (1) triangle. Where none is needed, the pair's first word is read once
+// more, so that no other memory is touched.
 Plane planeAt(const uint offset, const uint triangle, const bool needed) {
   uint word = kUnitWords * offset;
   Word4 a = WORD4(primitives, needed ? word + kPairVertexWords + triangle : word);
@@ -151,7 +155,9 @@ Medium mediumAt(const uint material) {
   return material == 0u ? Medium(1.0, 0u) : Medium(uintBitsToFloat(c.y), c.w);
 }
 
-uint glassAt(const uint material) { return WORD4(materials, kMaterialWords * material + 2u).w; }
+uint glassAt(const uint material) {
+  return WORD4(materials, kMaterialWords * material + 2u).w;
+}
 #endif
 
 struct Light {

@@ -123,7 +123,7 @@ std::vector<TrianglePair> pairTriangles(Scene& scene) {
   const size_t count = scene.triangles.size();
   std::vector<std::vector<TrianglePair>> pieces((count + kPiece - 1) / kPiece);
   parallelFor(pieces.size(),
-             [&](size_t i) { pieces[i] = pairPiece(scene, i * kPiece, std::min(count, (i + 1) * kPiece)); });
+              [&](size_t i) { pieces[i] = pairPiece(scene, i * kPiece, std::min(count, (i + 1) * kPiece)); });
   std::vector<TrianglePair> pairs;
   size_t total = 0;
   for (const auto& piece : pieces) total += piece.size();
