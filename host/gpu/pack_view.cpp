@@ -27,7 +27,9 @@ std::array<FaceWindow, 6> viewWindows(const Camera& camera, const RenderSettings
                                        direction(crop.x1, crop.y1), direction(crop.x0, crop.y1)};
     // Keep what lies within |u| <= 1 and |v| <= 1, plane by plane (Sutherland, Hodgman 1974), with room for rounding.
     for (const auto& [component, side] : {std::pair{a, 1.0}, {a, -1.0}, {b, 1.0}, {b, -1.0}}) {
-      const auto inside = [&](const glm::dvec3& d) { return (1 + 1e-6) * sign * d[axis] - side * d[component]; };
+      const auto inside = [&, k = component, s = side](const glm::dvec3& d) {
+        return (1 + 1e-6) * sign * d[axis] - s * d[k];
+      };
       std::vector<glm::dvec3> kept;
       for (size_t i = 0; i < polygon.size(); ++i) {
         const glm::dvec3 &p = polygon[i], &q = polygon[(i + 1) % polygon.size()];

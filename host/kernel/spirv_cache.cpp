@@ -11,17 +11,15 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <filesystem>
 #include <utility>
 
 #include "base/cache_folder.h"
+#include "base/output_file.h"
 #include "base/text_file.h"
 #include "base/unique_fd.h"
 
 namespace turner {
 namespace {
-
-namespace fs = std::filesystem;
 
 constexpr std::string_view kFormat = "turner SPIR-V cache 1\n";
 constexpr std::string_view kSuffix = ".spirv";
@@ -93,16 +91,6 @@ std::optional<std::string> readAndMark(const std::string& path) {
   }
   (void)::futimens(file.number, nullptr);
   return bytes;
-}
-
-bool writeAll(int file, std::string_view bytes) {
-  while (!bytes.empty()) {
-    const ssize_t written = ::write(file, bytes.data(), bytes.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) return false;
-    bytes.remove_prefix(size_t(written));
-  }
-  return true;
 }
 
 // Unlike a picture's file this one is not brought to the disk before its name: waiting would cost more than the file

@@ -136,7 +136,7 @@ Message Versions::takeAnswer() {
   return message;
 }
 
-bool Versions::hasPictureIn(std::deque<Message>::const_iterator from) const {
+bool Versions::hasPictureIn(const std::deque<Message>::const_iterator& from) const {
   return std::any_of(from, attempt_->answers.end(),
                      [](const Message& message) { return message.kind == Picture::kind; });
 }

@@ -124,7 +124,7 @@ class Versions {
   double heldUntil() const { return actions_.quietUntil(attempt_->burst); }
   bool isQuiet() const { return actions_.now() >= heldUntil(); }
   Message takeAnswer();
-  bool hasPictureIn(std::deque<Message>::const_iterator from) const;
+  bool hasPictureIn(const std::deque<Message>::const_iterator& from) const;
   bool awaitsFullPicture() const;
 
   void apply(const SceneReady& scene);
