@@ -109,6 +109,11 @@ Structure readStructure(std::span<const GlslToken> tokens, size_t& at) {
   return structure;
 }
 
+// kUpperCamel, as all constants are called: other names belong to functions.
+bool isConstantName(std::string_view name) {
+  return name.size() > 1 && name[0] == 'k' && name[1] >= 'A' && name[1] <= 'Z';
+}
+
 Layout readLayout(std::string_view text) {
   Layout layout;
   const std::vector<GlslToken> tokens = declaringTokens(text);
@@ -123,7 +128,7 @@ Layout readLayout(std::string_view text) {
       for (; at < tokens.size() && tokens[at].text != ")"; ++at) line.words.emplace_back(tokens[at].text);
       line.words.emplace_back(")");
       layout.constants.emplace(name.text, line);
-    } else if (tokens[at].kind == GlslKind::word && tokens[at + 1].text == "=") {
+    } else if (isConstantName(tokens[at].text) && tokens[at + 1].text == "=") {
       // However it is declared: const uint a = 1u; is the same to the kernel as TURNER_CONST.
       const GlslToken& name = tokens[at];
       Words value = gather(tokens, at += 2, ",;");
@@ -135,7 +140,7 @@ Layout readLayout(std::string_view text) {
     if (directiveName(token) != "define") continue;
     // #define a 1u declares a constant too: the name and the value are the words behind.
     const std::vector<GlslToken> words = readGlslTokens(token.text.substr(token.text.find("define")));
-    if (words.size() < 2) continue;
+    if (words.size() < 2 || !isConstantName(words[1].text)) continue;
     Words value;
     value.offset = token.offset;
     for (size_t i = 2; i < words.size(); ++i) value.words.emplace_back(words[i].text);

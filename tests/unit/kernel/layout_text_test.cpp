@@ -52,6 +52,10 @@ TEST(LayoutText, TheHostsOwnPasses) {
   EXPECT_EQ(complaintAbout(original()), "");
 }
 
+TEST(LayoutText, AllSourcesOfTheKernelPass) {
+  EXPECT_NO_THROW(checkLayout(readShaderSources(TURNER_SHADERS_DIR "/whitted.comp")));
+}
+
 TEST(LayoutText, AnotherValueIsRefusedWithPlaceAndRemedy) {
   EXPECT_EQ(afterEdit("kGrid = 0u", "kGrid = 7u"),
             placeOf("kGrid = 0u") +
