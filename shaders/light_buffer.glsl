@@ -1,8 +1,8 @@
 // The cube of directions around a point that many rays share: the eye for eye rays (the item buffer of Weghorst, Hooper
 // and Greenberg, ACM TOG 3(1), 1984), a light for its shadow rays (the light buffer of Haines and Greenberg, IEEE CG&A
 // 6(9), 1986). Each cell has a list of all that a ray through it may hit, sorted by distance from the point, so that
-// such a ray begins its traversal deep in the tree, most often at a primitive. The host leaves room for the rounding of all that is
-// computed here.
+// such a ray begins its traversal deep in the tree, most often at a primitive. The host leaves room for the rounding of
+// all that is computed here.
 
 const uint kEyeBuffer = 0u;  // the first light's is the next
 

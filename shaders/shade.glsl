@@ -73,8 +73,8 @@ Surface surfaceAt(const Ray ray, const RayFactors factors, const float t, const 
   return surface;
 }
 
-// A ray from the surface, to the side of Ng (`above`) or through it. It starts as far from the surface as the margin
-// says. From a triangle that is by a step along the ray, which stays where it was, as far as it is not too shallow; a
+// A ray from the surface, to the side of Ng (`above`) or through it. It starts as far from the surface as the error
+// bound says. From a triangle that is by a step along the ray, which stays where it was, as far as it is not too shallow; a
 // sphere knows its other root by the ray's start.
 Ray leaveSurface(const Surface surface, const uint primitive, const vec3 direction, const bool above) {
   vec3 away = above ? surface.Ng : -surface.Ng;
@@ -137,11 +137,13 @@ vec3 reflection(const Surface surface, const vec3 direction) {
 vec2 etaBehind(const Surface surface, const float eta) { return surface.front ? vec2(eta, 0) : wideReciprocal(eta); }
 
 // Snell's law in vector form, T = (I - (I.N + sqrt(eta^2 - sin^2 theta_I)) N) / eta with unit I and N, where eta is
-// etaRatio: the index of refraction on the other side over that on the side of V. False on total internal reflection. Near the critical angle the cosine is a small difference, of digits that N and the direction have: so
-// the decision and cosT are computed with twice the digits, from vectors that are unit but for their rounding.
+// etaRatio: the index of refraction on the other side over that on the side of V. False on total internal reflection.
+// Near the critical angle the cosine is a small difference, of digits that N and the direction have: so the decision and
+// cosT are computed with twice the digits, from vectors that are unit but for their rounding.
 bool refracted(const vec3 direction, const vec3 N, const vec2 etaRatio, out vec3 T) {
   const vec3 none = vec3(0);
-  vec2 dd = wideDot(direction, none, direction, none), NN = wideDot(N, none, N, none), dN = wideDot(direction, none, N, none);
+  vec2 dd = wideDot(direction, none, direction, none), NN = wideDot(N, none, N, none),
+       dN = wideDot(direction, none, N, none);
   // All times dd NN: sin^2 of the angle of incidence, eta^2 times cos^2 of that of refraction.
   vec2 one = wideProduct(dd, NN), sin2I = wideSum(one, -wideProduct(dN, dN));
   float cos2T = wideSum(wideProduct(wideProduct(etaRatio, etaRatio), one), -sin2I).x;

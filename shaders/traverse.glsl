@@ -11,8 +11,8 @@ struct TraversalState {
   // Nested dielectrics: a second pass collects all interfaces that coincide with the nearest hit.
   float nearestT;     // t of that hit
   float coincidence;  // how far behind it an interface still coincides; 0 in the first pass, where hitT is tMax
-  // Second pass: t of the best coinciding hit, that of the lowest rank. First pass: how far interfaces may coincide with
-  // the nearest hit, 0 if that is no interface of a medium.
+  // Second pass: t of the best coinciding hit, that of the lowest rank. First pass: how far interfaces may coincide
+  // with the nearest hit, 0 if that is no interface of a medium.
   float hitT;
   uvec4 coincident;  // the coinciding interfaces (nested_dielectrics.glsl)
 };
@@ -90,7 +90,7 @@ void visitNode(const Ray ray, const RayFactors factors, inout TraversalState tra
   float enter1 = enterBox(planesAt(node.planes, factors.nearShift + 16u) * scale + start,
                           planesAt(node.planes, 24u - factors.nearShift) * scale + start, traversal.tMax);
 
-  // The references of both children, see Node in layout.h.
+  // The references of both children, see Node in scene.h.
   uint below = traversal.next + 1u, tags = node.exponents >> 24u;
   uint firstCount = ((node.reference >> kRefCountShift) & kRefCountMask) + 1u;
   uint secondOffset = (node.reference & kRefOffsetMask) + firstCount * unitsOf(isOfTriangles(node.reference));
@@ -108,18 +108,18 @@ void visitNode(const Ray ray, const RayFactors factors, inout TraversalState tra
   if (neither) traversal.next = kRefNext;
 }
 
-// What a ray meets of a shape.
+// Intersection of a ray with a sphere or a pair of triangles.
 struct Intersection {
-  float t;         // kNoHit: nothing
-  uint primitive;  // the sphere, or that triangle of the pair
-  uint rank;      // its rank
-  bool both;       // it passes both triangles, and this is the first: the second is still to be met
-  uint tested;     // spheres or triangles that this took, for the counters
-  uint interfaceId;       // of a medium: that interface, or 0
-  float coincidence;     // how far from t another interface may be hit that is in the same place
+  float t;            // kNoHit: nothing
+  uint primitive;     // the sphere, or that triangle of the pair
+  uint rank;          // its tie-break rank
+  bool both;          // the ray passes both triangles, and this is the first: the second is still to be tested
+  uint tested;        // spheres or triangles that this took, for the counters
+  uint interfaceId;   // of a medium: that interface, or 0
+  float coincidence;  // how far from t another interface still coincides
 };
 
-// Two interfaces are in one place if they are no farther apart than 48 roundings of their distance from the eye: that is more
+// Two interfaces coincide if they are no farther apart than 48 roundings of their distance from the eye: that is more
 // than how far rays start from a surface, with much room for the errors of both distances, so that these rarely decide.
 float coincidenceDistance(const vec3 point, const float errorBound, const float cosine) {
   return max(48.0 * kRounding * length(point), 4.0 * errorBound) / max(abs(cosine), 1.0 / 1024.0);
@@ -129,17 +129,19 @@ Intersection intersectSphere(const Ray ray, const RayFactors factors, const uint
   Sphere packed = sphereAt(primitive);
   bool startsOnIt = (ray.originPrimitive & ~kStartsInward) == primitive;
   SphereData sphere = sphereOf(packed);
-  Intersection found = Intersection(hitSphere(ray, factors, sphere, startsOnIt), primitive, packed.rank, false, 1u, 0u, 0.0);
+  float t = hitSphere(ray, factors, sphere, startsOnIt);
+  Intersection found = Intersection(t, primitive, packed.rank, false, 1u, 0u, 0.0);
   if (NESTED_DIELECTRICS && found.t < kNoHit) {
     bool outside = !startsOnIt && isOutside(sphere, ray.origin);
     found.interfaceId = interfaceOf(packed.material & ~kNearEye, outside != (sphere.radius < 0.0));
     vec3 point = ray.origin + found.t * ray.direction;
-    found.coincidence = coincidenceDistance(point, sphereErrorBound(sphere, point), dot(normalize(point - sphere.center), ray.direction));
+    float cosine = dot(normalize(point - sphere.center), ray.direction);
+    found.coincidence = coincidenceDistance(point, sphereErrorBound(sphere, point), cosine);
   }
   return found;
 }
 
-// `pair` has kRefSecond where the first triangle has been met already.
+// `pair` has kRefSecond where the first triangle was tested already.
 Intersection intersectTrianglePair(const Ray ray, const RayFactors factors, const uint pair) {
   uint offset = pair & kRefOffsetMask;
   TrianglePair packed = trianglePairAt(offset);
@@ -162,17 +164,19 @@ Intersection intersectTrianglePair(const Ray ray, const RayFactors factors, cons
   uint interfaceId = 0u;
   float coincidence = 0.0;
   if (NESTED_DIELECTRICS && t < kNoHit) {
-    interfaceId = interfaceOf(packed.material, dot(plane.normal, ray.direction) < 0.0);
+    float cosine = dot(plane.normal, ray.direction);
+    interfaceId = interfaceOf(packed.material, cosine < 0.0);
     vec3 point = ray.origin + t * ray.direction;
-    coincidence = coincidenceDistance(point, planeErrorBound(plane.normal, plane.offset, point), dot(plane.normal, ray.direction));
+    coincidence = coincidenceDistance(point, planeErrorBound(plane.normal, plane.offset, point), cosine);
   }
-  return Intersection(t, isSecond ? second : first, isSecond ? packed.rank1 : packed.rank0, inFirst && inSecond, tested, interfaceId, coincidence);
+  return Intersection(t, isSecond ? second : first, isSecond ? packed.rank1 : packed.rank0, inFirst && inSecond, tested,
+                      interfaceId, coincidence);
 }
 
-// Tests a shape; true if it takes the traversal's hit. Among equal distances the lowest rank wins, so that the picture
+// Tests a primitive; true if it takes the traversal's hit. Among equal distances the lowest rank wins, so that the picture
 // does not depend on the tree.
-bool intersectPrimitive(const Ray ray, const RayFactors factors, const uint primitive, const bool isPair, const bool anyHit,
-                const uint kind, inout TraversalState traversal, out bool both) {
+bool intersectPrimitive(const Ray ray, const RayFactors factors, const uint primitive, const bool isPair,
+                        const bool anyHit, const uint kind, inout TraversalState traversal, out bool both) {
   Intersection found = Intersection(kNoHit, kRefNone, 0u, false, 0u, 0u, 0.0);
   if (SPHERES && !isPair) found = intersectSphere(ray, factors, primitive);
   if (TRIANGLES && isPair) found = intersectTrianglePair(ray, factors, primitive);
@@ -181,9 +185,10 @@ bool intersectPrimitive(const Ray ray, const RayFactors factors, const uint prim
   bool gathers = NESTED_DIELECTRICS && !anyHit && traversal.coincidence > 0.0;
   if (gathers) {
     // What is no interface of a medium is no more than roundings away from what it touches.
-    bool inPlace = found.t <= traversal.nearestT + (found.interfaceId != 0u ? traversal.coincidence : 0.25 * traversal.coincidence);
-    if (inPlace) traversal.coincident = withInterface(traversal.coincident, found.interfaceId);
-    taken = inPlace && found.rank < traversal.rank;
+    float most = found.interfaceId != 0u ? traversal.coincidence : 0.25 * traversal.coincidence;
+    bool coincides = found.t <= traversal.nearestT + most;
+    if (coincides) traversal.coincident = withInterface(traversal.coincident, found.interfaceId);
+    taken = coincides && found.rank < traversal.rank;
     if (taken) traversal.hitT = found.t;
   } else if (taken && !anyHit) {
     traversal.tMax = found.t;
@@ -197,22 +202,22 @@ bool intersectPrimitive(const Ray ray, const RayFactors factors, const uint prim
   return taken;
 }
 
-// On to the leaf's next shape, or to whatever follows the leaf.
+// On to the leaf's next primitive, or to whatever follows the leaf.
 void nextPrimitive(const bool isPair, const bool both, inout TraversalState traversal) {
   bool last = ((traversal.next >> kRefCountShift) & kRefCountMask) == 0u;
   uint following = last ? kRefNext : (traversal.next & ~kRefSecond) + unitsOf(isPair) - (1u << kRefCountShift);
   traversal.next = both ? traversal.next | kRefSecond : following;
 }
 
-// The turns that a traversal's loops make with no lane in them: lavapipe 22.3 runs the body of every loop at least once.
-// Whoever calls traverse, or has other lanes call it, pays for them.
+// Iterations that lavapipe 22.3 counts for loops no lane enters: it runs the body of every loop at least once. Callers of
+// traverse subtract them from the budget, those too whose other lanes call it.
 int idleTurns(const bool visitsNodes) { return visitsNodes ? 3 : int(SPHERES) + int(TRIANGLES); }
 
-// Goes through the tree. Leaves and nodes have loops of their own: lavapipe 22.3 executes both sides of every branch, but
-// leaves a loop when no lane is in it. It looks for that at the loop's end; a condition at the loop's head would cost it
+// Goes through the tree. Leaves and nodes have loops of their own: lavapipe 22.3 executes both sides of every branch,
+// but leaves a loop when no lane is in it. It looks for that at the loop's end; a condition at the loop's head would cost it
 // one more turn with no lane in it.
 void traverseTree(const Ray ray, const RayFactors factors, const bool anyHit, const uint kind, const float reach,
-              inout TraversalState traversal, inout int budget) {
+                  inout TraversalState traversal, inout int budget) {
   if (traversal.next == kRefNone || budget <= 0) return;
   do {
     budget -= 3;  // this turn, and those of the loops inside that no lane takes
@@ -229,7 +234,8 @@ void traverseTree(const Ray ray, const RayFactors factors, const bool anyHit, co
       do {
         --budget;
         bool both, arePairs = isOfTriangles(traversal.next);
-        bool taken = intersectPrimitive(ray, factors, traversal.next & kRefPrimitive, arePairs, anyHit, kind, traversal, both);
+        bool taken = intersectPrimitive(ray, factors, traversal.next & kRefPrimitive, arePairs, anyHit, kind, traversal,
+                                        both);
         nextPrimitive(arePairs, both, traversal);
         if (anyHit && taken) traversal.next = kRefNone;
       } while (traversal.next < kRefNext && budget > 0);
@@ -237,10 +243,10 @@ void traverseTree(const Ray ray, const RayFactors factors, const bool anyHit, co
   } while (traversal.next != kRefNone && budget > 0);
 }
 
-// Goes through the spheres or the pairs of a list, from its next entry to `end`. Of the last pair the second triangle may
-// be left: traversal.next names it.
+// Goes through the spheres or the pairs of a list, from its next entry to `end`. Of the last pair the second triangle
+// may be left: traversal.next names it.
 void traversePrimitives(const Ray ray, const RayFactors factors, const bool arePairs, const uint end, const bool anyHit,
-                const uint kind, const float reach, inout TraversalState traversal, inout int budget) {
+                        const uint kind, const float reach, inout TraversalState traversal, inout int budget) {
   if (traversal.next == kRefNone || (traversal.next == kRefNext && traversal.list.first >= end) || budget <= 0) return;
   do {
     --budget;
@@ -261,7 +267,7 @@ void traversePrimitives(const Ray ray, const RayFactors factors, const bool areP
 
 // Goes along a list that holds no nodes, its spheres before its pairs.
 void traverseCellList(const Ray ray, const RayFactors factors, const bool anyHit, const uint kind, const float reach,
-              inout TraversalState traversal, inout int budget) {
+                      inout TraversalState traversal, inout int budget) {
   if (SPHERES && traversal.list.first < traversal.list.firstPair)
     traversePrimitives(ray, factors, false, traversal.list.firstPair, anyHit, kind, reach, traversal, budget);
   if (TRIANGLES && traversal.list.first >= traversal.list.firstPair)
@@ -269,10 +275,10 @@ void traverseCellList(const Ray ray, const RayFactors factors, const bool anyHit
   if (traversal.list.first >= traversal.list.end && traversal.next == kRefNext) traversal.next = kRefNone;
 }
 
-// Walks on until the traversal is over or the budget of iterations is spent. An `anyHit` traversal ends at its first hit. `reach`
-// turns a distance along the ray into one along the cube's face.
+// Goes on until the traversal is finished or the budget of iterations is spent. An `anyHit` traversal ends at its first
+// hit. `reach` = abs(direction along the face axis); list entries are sorted by depth along that axis, t * reach.
 void traverse(const Ray ray, const RayFactors factors, const bool anyHit, const bool visitsNodes, const uint kind,
-                  float reach, inout TraversalState traversal, inout int budget) {
+              float reach, inout TraversalState traversal, inout int budget) {
   // The kernel's rounding is less than this.
   reach *= 1.0 + 1.0 / 262144.0;
   if (visitsNodes)

@@ -80,7 +80,7 @@ Scene roundScene(Scene scene) {
     light.position = toLocal(light.position);
     // E / d^2 keeps its value when both are scaled.
     if (light.falloff == Falloff::inverseSquare) light.color *= frame.scale * frame.scale;
-    light.visitValues([](auto& value) { value = rounded(value); });
+    Light::visitValues(light, [](auto& value) { value = rounded(value); });
   }
   for (Material& material : local.materials)
     Material::visitValues(material, [](auto& value) { value = rounded(value); });

@@ -1,4 +1,4 @@
-// The ways in which a kernel can read the scene's rows; shaders/buffer_access.glsl defines them.
+// The ways in which a kernel can read the scene's words; shaders/buffer_access.glsl defines them.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ inline constexpr uint32_t kWordBytes = 16;
 std::string accessName(BufferAccess access);
 
 // How many bindings a kernel has, and which of them are storage texel buffers; all others are storage buffers. By
-// address it has none for rows.
+// device address it has none for the scene.
 uint32_t bindingCount(BufferAccess access);
 bool bindsTexels(uint32_t binding, BufferAccess access);
 

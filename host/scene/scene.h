@@ -25,9 +25,9 @@ struct Light {
   Falloff falloff = Falloff::none;
 
   // Visits what is neither a place nor a choice, as dvec3& and double&: roundScene rounds it as it is.
-  template <class Visit>
-  void visitValues(Visit&& visit) {
-    visit(color);
+  template <class Self, class Visit>
+  static void visitValues(Self& light, Visit&& visit) {
+    visit(light.color);
   }
 };
 

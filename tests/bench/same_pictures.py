@@ -54,7 +54,7 @@ def main():
     parser.add_argument("scenes", type=pathlib.Path, nargs="*")
     parser.add_argument("--backend", choices=["shader", "reference"])
     parser.add_argument("--width", type=int, default=128)
-    options = parser.parse_args()
+    options = parser.parse_intermixed_args()
     compared, different = 0, 0
     for scene in options.scenes or all_scenes():
         for backend in [options.backend] if options.backend else ["shader", "reference"]:

@@ -6,6 +6,7 @@
 
 #include "gpu/vulkan_device.h"
 #include "hard/kernels/formulas.h"
+#include "hard/row.h"
 #include "kernel/compile.h"
 #include "support/shader_harness.h"
 
@@ -15,16 +16,6 @@ namespace {
 using gpu::uint;
 
 constexpr uint kWorkGroup = 64;
-
-// A word of the test kernel: three floats and an integer.
-struct Row {
-  float x, y, z;
-  uint w;
-};
-
-Row rowOf(const glm::vec3& v, uint w = 0) {
-  return {v.x, v.y, v.z, w};
-}
 
 vk::DescriptorSetLayoutBinding storageBuffer(uint binding) {
   return {binding, vk::DescriptorType::eStorageBuffer, 1, vk::ShaderStageFlagBits::eCompute};

@@ -15,6 +15,7 @@
 #include "gpu/vulkan_device.h"
 #include "hard/kernels/naive.h"
 #include "hard/kernels/step.h"
+#include "hard/row.h"
 #include "kernel/compile.h"
 #include "support/shader_harness.h"
 
@@ -37,16 +38,6 @@ struct Kernel {
   std::optional<vk::raii::PipelineLayout> layout;
   std::optional<vk::raii::Pipeline> pipeline;
 };
-
-// A word of the test kernels: three floats and an integer.
-struct Row {
-  float x, y, z;
-  uint w;
-};
-
-Row rowOf(const glm::vec3& v, uint w) {
-  return {v.x, v.y, v.z, w};
-}
 
 BufferAccess accessOf(const Device& device) {
   return device.canAccess(BufferAccess::texelBuffer) ? BufferAccess::texelBuffer : BufferAccess::storageBuffer;

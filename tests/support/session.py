@@ -16,7 +16,7 @@ import tempfile
 import time
 import unittest
 
-from support.editors import write_and_rename
+from support.editors import write_and_rename, write_in_place
 from support.patience import PATIENCE, TIMEOUT, wait_until
 from support.processes import living_in
 from support.settings import PROGRAM
@@ -111,6 +111,13 @@ class Session(Timed, unittest.TestCase):
         self.assertEqual(text.count(old), 1, f"{old} in {name}")
         self.save(name, text.replace(old, new), editor)
         return text[: text.index(old)].count("\n") + 1
+
+    def save_in_quick_succession(self):
+        """Three times within the quiet time; the last text is HALF's."""
+        text = self.source("shade.glsl").read_text()
+        for factor in ("0.25", "0.75", "0.5"):
+            self.save("shade.glsl", text.replace(SHADE, SHADE.replace("E", f"{factor} * E", 1)), write_in_place)
+            time.sleep(0.06)
 
     def check_nobody_left(self, about=""):
         """No process works in this folder any more."""

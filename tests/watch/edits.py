@@ -3,7 +3,6 @@
 import os
 import pathlib
 import shutil
-import time
 
 from support.editors import EDITORS, delete_and_write, write_and_rename, write_in_place
 from support.patience import TIMEOUT, wait_until
@@ -205,10 +204,7 @@ class Shaders(Session):
         with self.watch() as w:
             w.picture()
             w.figures()
-            text = self.source("shade.glsl").read_text()
-            for factor in ("0.25", "0.75", "0.5"):
-                self.save("shade.glsl", text.replace(SHADE, SHADE.replace("E", f"{factor} * E", 1)), write_in_place)
-                time.sleep(0.06)
+            self.save_in_quick_succession()
             last = self.rendered()
             while self.exr() != last:
                 w.picture()

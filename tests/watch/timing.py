@@ -91,10 +91,7 @@ class Moments(Session):
         with self.watch() as w:
             w.picture()
             w.figures()
-            text = self.source("shade.glsl").read_text()
-            for factor in ("0.25", "0.75", "0.5"):
-                self.save("shade.glsl", text.replace(SHADE, SHADE.replace("E", f"{factor} * E", 1)), write_in_place)
-                time.sleep(0.06)
+            self.save_in_quick_succession()
             w.picture()
             self.assert_shows_the_sources(w)
             w.stays_quiet()

@@ -26,7 +26,7 @@ TURNER_CONST kNextReflected = 3u;
 TURNER_CONST kNextTransmitted = 4u;
 
 TURNER_CONST kFoundHit = 0u;    // t (float), primitive as the kernel names it or kRefNone, id, flags
-TURNER_CONST kFoundPoint = 1u;  // w: the surface's margin (float)
+TURNER_CONST kFoundPoint = 1u;  // w: the surface's error bound (float)
 TURNER_CONST kFoundNg = 2u;     // w: material
 TURNER_CONST kFoundNs = 3u;
 TURNER_CONST kFoundLeavingOrigin = 4u;  // w: the primitive it leaves
