@@ -29,8 +29,8 @@ Box unite(const Box& a, const Box& b) {
 // Writes the tree into its final arrays while a builder walks its own, depth first.
 class Flattener {
  public:
-  Flattener(std::span<const Box> boxes, size_t firstOfSecondKind, const BvhLimits& limits)
-      : boxes_(boxes), firstOfSecondKind_(firstOfSecondKind), limits_(limits) {
+  Flattener(std::span<const Box> boxes, const KindStarts& kinds, const BvhLimits& limits)
+      : boxes_(boxes), kinds_(kinds), limits_(limits) {
     reservePrefaulted(bvh_.order, boxes.size());
     reservePrefaulted(bvh_.nodes,
                       boxes.size() / 2 + boxes.size() / 8);  // Embree makes about half as many nodes as boxes
@@ -51,11 +51,12 @@ class Flattener {
   // A leaf; or nodes down to leaves that are small enough and of one kind.
   BvhChild leaf(int depth, std::span<uint32_t> entries) {
     std::sort(entries.begin(), entries.end());
-    const size_t firstKind =
-        size_t(std::lower_bound(entries.begin(), entries.end(), firstOfSecondKind_) - entries.begin());
-    const bool mixed = firstKind > 0 && firstKind < entries.size();
+    // Where another kind begins, if one does.
+    const auto start = std::upper_bound(kinds_.begin(), kinds_.end(), entries.front());
+    const bool mixed = start != kinds_.end() && *start <= entries.back();
     if (mixed || entries.size() > limits_.maxLeafSize) {
-      const size_t cut = mixed ? firstKind : entries.size() / 2;
+      const size_t cut = mixed ? size_t(std::lower_bound(entries.begin(), entries.end(), *start) - entries.begin())
+                               : entries.size() / 2;
       return node(
           depth, [&](int below) { return leaf(below, entries.first(cut)); },
           [&](int below) { return leaf(below, entries.subspan(cut)); });
@@ -75,7 +76,7 @@ class Flattener {
 
  private:
   std::span<const Box> boxes_;
-  size_t firstOfSecondKind_;
+  const KindStarts& kinds_;
   BvhLimits limits_;
   Bvh bvh_;
 };
@@ -142,7 +143,7 @@ bool buildWithEmbree(std::span<const Box> boxes, const BvhLimits& limits, Flatte
   arguments.byteSize = sizeof arguments;
   arguments.buildQuality = RTC_BUILD_QUALITY_MEDIUM;
   arguments.maxBranchingFactor = 2;
-  // Leaves of two kinds are split once more below, and oversized ones a few times.
+  // Leaves of several kinds are split once or twice more below, and oversized ones a few times.
   arguments.maxDepth = unsigned(limits.maxDepth - 6);
   arguments.minLeafSize = 1;
   arguments.maxLeafSize = limits.maxLeafSize;
@@ -185,24 +186,24 @@ BvhChild splitAtMedian(Flattener& out, std::span<const Box> boxes, std::span<uin
 
 }  // namespace
 
-Bvh buildMedianBvh(std::span<const Box> boxes, size_t firstOfSecondKind, const BvhLimits& limits) {
+Bvh buildMedianBvh(std::span<const Box> boxes, const KindStarts& kinds, const BvhLimits& limits) {
   if (boxes.empty()) return {};
-  Flattener out(boxes, firstOfSecondKind, limits);
+  Flattener out(boxes, kinds, limits);
   std::vector<uint32_t> entries(boxes.size());
   std::iota(entries.begin(), entries.end(), 0u);
   const BvhChild root = splitAtMedian(out, boxes, entries, 1);
   return out.finish(root);
 }
 
-Bvh buildBvh(std::span<const Box> boxes, size_t firstOfSecondKind, const BvhLimits& limits) {
+Bvh buildBvh(std::span<const Box> boxes, const KindStarts& kinds, const BvhLimits& limits) {
   if (boxes.empty()) return {};
-  Flattener out(boxes, firstOfSecondKind, limits);
+  Flattener out(boxes, kinds, limits);
   BvhChild root;
   if (buildWithEmbree(boxes, limits, out, root)) {
     Bvh bvh = out.finish(root);
     if (bvh.depth <= limits.maxDepth) return bvh;
   }
-  return buildMedianBvh(boxes, firstOfSecondKind, limits);
+  return buildMedianBvh(boxes, kinds, limits);
 }
 
 }  // namespace turner

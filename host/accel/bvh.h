@@ -32,13 +32,16 @@ struct BvhLimits {
   int maxDepth = 48;
 };
 
-// Builds by Embree's binned surface area heuristic; where Embree gives up, or exceeds the depth, by object medians. A
-// leaf holds boxes of one kind only: those before `firstOfSecondKind`, or those from it on. Entries of a leaf are
-// sorted. Throws RunError if Embree cannot start or memory runs out.
-Bvh buildBvh(std::span<const Box> boxes, size_t firstOfSecondKind, const BvhLimits& limits = {});
+// Boxes come in kinds, one behind the other: the first box of each kind but the first, ascending. A leaf holds boxes of
+// one kind only.
+using KindStarts = std::vector<size_t>;
+
+// Builds by Embree's binned surface area heuristic; where Embree gives up, or exceeds the depth, by object medians.
+// Entries of a leaf are sorted. Throws RunError if Embree cannot start or memory runs out.
+Bvh buildBvh(std::span<const Box> boxes, const KindStarts& kinds, const BvhLimits& limits = {});
 
 // The fallback by itself: halves along the longest axis of the centroids, so that equal boxes are no trouble and the
 // depth is the logarithm of their number.
-Bvh buildMedianBvh(std::span<const Box> boxes, size_t firstOfSecondKind, const BvhLimits& limits = {});
+Bvh buildMedianBvh(std::span<const Box> boxes, const KindStarts& kinds, const BvhLimits& limits = {});
 
 }  // namespace turner

@@ -87,13 +87,11 @@ class CellListBuilder {
     if (isPrimitive) {
       candidate.edges = uint32_t(edges_.size());
       edges_.emplace_back();
-      const uint32_t primitive = tree_.bvh.order[index];
-      if (primitive >= tree_.prepared.firstPair()) {
-        face_.projectEdges(cornersOf(primitive), box, edges_.back());
-        if (!overlaps(candidate, rect)) {
-          edges_.pop_back();
-          return;
-        }
+      tree_.prepared.visitElement(tree_.bvh.order[index],
+                                  [&](const auto& element) { projectEdges(element, box, edges_.back()); });
+      if (!overlaps(candidate, rect)) {
+        edges_.pop_back();
+        return;
       }
     }
     pool_.push_back(candidate);
@@ -109,11 +107,13 @@ class CellListBuilder {
       add(tree_.prepared.boxes[tree_.bvh.order[i]], i, true, rect);
   }
 
-  Corners cornersOf(uint32_t primitive) const {
-    const TrianglePair& pair = tree_.prepared.pairs[primitive - tree_.prepared.firstPair()];
+  // Of a sphere the rectangle is all there is.
+  void projectEdges(const Sphere&, const Box&, OuterEdges&) const {}
+
+  void projectEdges(const TrianglePair& pair, const Box& box, OuterEdges& edges) const {
     const std::vector<Triangle>& triangles = tree_.prepared.scene.triangles;
     const auto& [a, b, c] = triangles[pair.first].vertices;
-    return {a, b, c, pair.isAlone() ? b : triangles[pair.second].vertices[0]};
+    face_.projectEdges({a, b, c, pair.isAlone() ? b : triangles[pair.second].vertices[0]}, box, edges);
   }
 
   // Replaces nodes at the pool's end, from `first` on, by their children where `excess` is positive, those where it is

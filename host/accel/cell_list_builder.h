@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "accel/cube_face.h"
 #include "layout.h"
+#include "primitives/cube_face.h"
 
 namespace turner {
 

@@ -6,10 +6,10 @@
 #include <iterator>
 
 #include "accel/cell_list_builder.h"
-#include "accel/cube_face.h"
 #include "base/errors.h"
 #include "base/reserve.h"
 #include "base/threads.h"
+#include "primitives/cube_face.h"
 
 namespace turner {
 namespace {

@@ -36,7 +36,7 @@ struct RenderOptions {
 
 struct CompareOptions {
   std::vector<std::string> files;  // two EXR files, or one scene
-  Bounds bounds;
+  ErrorBounds bounds;
   double threshold = 1e-3;
   std::string errorImage;
   bool json = false;

@@ -29,8 +29,7 @@ double facing(const Scene& scene, const Triangle& triangle) {
 namespace {
 
 using glm::dvec3;
-using nested_dielectrics::Bounds, nested_dielectrics::Solid, nested_dielectrics::Surface;
-using wide3 = glm::tvec3<long double, glm::defaultp>;
+using nested_dielectrics::Solid, nested_dielectrics::Surface;
 
 // How often a surface goes around a point: 1 or -1 inside, 0 outside.
 double windingNumber(const Scene& scene, const Surface& surface, const dvec3& p) {

@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <glm/common.hpp>
-#include <span>
 #include <utility>
 
 #include "base/reserve.h"
@@ -14,23 +13,9 @@
 namespace turner {
 namespace {
 
-struct Bounds {
-  glm::dvec3 lo{INFINITY}, hi{-INFINITY};
-
-  Bounds united(const Bounds& other) const { return {glm::min(lo, other.lo), glm::max(hi, other.hi)}; }
-  double halfArea() const {
-    const glm::dvec3 size = hi - lo;
-    return size.x * size.y + size.y * size.z + size.z * size.x;
-  }
-};
-
-Bounds boundsOf(const Sphere& sphere) {
-  return {sphere.center - std::abs(sphere.radius), sphere.center + std::abs(sphere.radius)};
-}
-
-Bounds boundsOf(const Triangle& triangle) {
-  const auto& [a, b, c] = triangle.vertices;
-  return {glm::min(a, glm::min(b, c)), glm::max(a, glm::max(b, c))};
+double halfArea(const Bounds& bounds) {
+  const glm::dvec3 size = bounds.hi - bounds.lo;
+  return size.x * size.y + size.y * size.z + size.z * size.x;
 }
 
 // Whether all but their geometry allows two triangles to be a pair.
@@ -84,7 +69,7 @@ std::vector<TrianglePair> pairPiece(Scene& scene, size_t begin, size_t end) {
           !sharesEdge(first, scene.triangles[j], opposite[0], opposite[1]))
         continue;
       const Bounds other = boundsOf(scene.triangles[j]);
-      const double growth = bounds.united(other).halfArea() / (bounds.halfArea() + other.halfArea());
+      const double growth = halfArea(bounds.united(other)) / (halfArea(bounds) + halfArea(other));
       if (!(growth < leastGrowth)) continue;
       leastGrowth = growth;
       pair.second = uint32_t(j);
@@ -144,16 +129,21 @@ glm::vec3 roundedUp(const glm::dvec3& v) {
   return -roundedDown(-v);
 }
 
-std::vector<Box> paddedBoxes(const Scene& scene, std::span<const TrianglePair> pairs) {
-  const size_t spheres = scene.spheres.size(), count = spheres + pairs.size();
+Bounds boundsOf(const Scene&, const Sphere& sphere) {
+  return boundsOf(sphere);
+}
+Bounds boundsOf(const Scene& scene, const TrianglePair& pair) {
+  const Bounds first = boundsOf(scene.triangles[pair.first]);
+  return pair.isAlone() ? first : first.united(boundsOf(scene.triangles[pair.second]));
+}
+
+std::vector<Box> paddedBoxes(const PreparedGeometry& prepared) {
+  const size_t count = prepared.elementCount();
   const auto bounds = [&](size_t i) {
-    if (i < spheres) return boundsOf(scene.spheres[i]);
-    const TrianglePair& pair = pairs[i - spheres];
-    const Bounds first = boundsOf(scene.triangles[pair.first]);
-    return pair.isAlone() ? first : first.united(boundsOf(scene.triangles[pair.second]));
+    return prepared.visitElement(i, [&](const auto& element) { return boundsOf(prepared.scene, element); });
   };
   Bounds all;
-  for (size_t i = 0; i < count; ++i) all = all.united(bounds(i));
+  for (size_t i = 0; i < count; ++i) all.include(bounds(i));
   const glm::dvec3 size = all.hi - all.lo;
   const double extent = count == 0 ? 0 : std::max({size.x, size.y, size.z});
 
@@ -179,7 +169,7 @@ PreparedGeometry prepareGeometry(Scene local) {
   prepared.scene = std::move(local);
   giveMediaMaterials(prepared);
   prepared.pairs = pairTriangles(prepared.scene);
-  prepared.boxes = paddedBoxes(prepared.scene, prepared.pairs);
+  prepared.boxes = paddedBoxes(prepared);
   return prepared;
 }
 

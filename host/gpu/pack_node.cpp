@@ -7,7 +7,7 @@
 #include <glm/common.hpp>
 #include <glm/vec3.hpp>
 
-#include "gpu/words.h"
+#include "primitives/words.h"
 
 namespace turner {
 namespace {

@@ -5,19 +5,16 @@
 #include <array>
 #include <bit>
 #include <cstring>
-#include <glm/geometric.hpp>
 #include <numeric>
-#include <optional>
 #include <span>
 #include <string>
-#include <tuple>
 #include <utility>
 
 #include "base/errors.h"
 #include "base/reserve.h"
 #include "base/threads.h"
 #include "gpu/pack_node.h"
-#include "gpu/words.h"
+#include "primitives/words.h"
 
 namespace turner {
 namespace {
@@ -25,91 +22,22 @@ namespace {
 using gpu::uint;
 using gpu::Word4;
 
-struct Plane {
-  glm::dvec3 normal;  // unit, on the counter-clockwise side
-  double offset;      // N.x of its points
-};
-
-// Nothing where the triangle has no area. The same for all orders of the same vertices but for the sign: coincident
-// triangles are hit at equal distances then, and the lowest id wins.
-std::optional<Plane> planeOf(std::array<glm::dvec3, 3> v) {
-  const auto less = [](const glm::dvec3& a, const glm::dvec3& b) {
-    return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
-  };
-  double sign = 1;
-  for (const auto& [i, j] : {std::pair<size_t, size_t>{0, 1}, {1, 2}, {0, 1}}) {
-    if (!less(v[j], v[i])) continue;
-    std::swap(v[i], v[j]);
-    sign = -sign;
-  }
-  const glm::dvec3 cross = glm::cross(v[1] - v[0], v[2] - v[0]);
-  const double length = glm::length(cross);
-  if (length == 0) return {};
-  const glm::dvec3 normal = cross / length;
-  return Plane{sign * normal, sign * glm::dot(normal, v[0])};
-}
-
-// A triangle that rounding has made flat has no plane: it is seen edge-on by every ray and never hit.
-gpu::Plane packPlane(const Triangle& triangle) {
-  const std::optional<Plane> plane = planeOf(triangle.vertices);
-  return plane ? gpu::Plane{toVec3(plane->normal), float(plane->offset)} : gpu::Plane{};
-}
-
-gpu::Sphere packSphere(const Sphere& sphere, uint rank) {
-  return {toVec3(sphere.center), float(sphere.radius), rank, sphere.material, 0, 0};
-}
-
-// The same of one that the eye is near; its NearSphere is at this word among the materials.
-gpu::Sphere packNearSphere(const Sphere& sphere, uint rank, uint restAt) {
-  gpu::Sphere near = packSphere(sphere, rank);
-  near.material |= gpu::kNearEye;
-  near.nearSphere = restAt;
-  near.eyePower = float(eyePower(sphere));
-  return near;
-}
-
-gpu::NearSphere nearSphereOf(const Sphere& sphere) {
-  const long double power = eyePower(sphere);
-  return {toVec3Rest(sphere.center), float(power - float(power))};
-}
-
-// `normals`: where its vertex normals stand in the packed scene. `rank`: of the triangles.
-gpu::TrianglePair packPair(const PreparedGeometry& prepared, const TrianglePair& pair, uint normals,
-                           std::span<const uint> rank) {
-  const std::vector<Triangle>& triangles = prepared.scene.triangles;
-  const Triangle& first = triangles[pair.first];
-  const auto& [a, b, c] = first.vertices;
-  gpu::TrianglePair packed{.v0 = toVec3(a),
-                           .rank0 = rank[pair.first],
-                           .v1 = toVec3(b),
-                           .material = first.material,
-                           .v2 = toVec3(c),
-                           .normals = first.normals == kNoNormals ? gpu::kRefNone : normals,
-                           .v3 = toVec3(b),
-                           .rank1 = gpu::kRefNone,
-                           .planes = {packPlane(first), {}}};
-  if (!pair.isAlone()) {
-    const Triangle& second = triangles[pair.second];
-    packed.v3 = toVec3(second.vertices[0]);
-    packed.rank1 = rank[pair.second];
-    packed.planes[1] = packPlane(second);
-  }
-  return packed;
-}
-
 Features featuresOf(const Scene& scene) {
   Features features;
   features.lights = uint32_t(scene.lights.size());
   features.spheres = !scene.spheres.empty();
   features.triangles = !scene.triangles.empty();
+  for (const Sphere& sphere : scene.spheres) {
+    features.nearSpheres |= isNearEye(sphere);
+    features.farSpheres |= isFarFromEye(sphere);
+  }
+  for (const Triangle& triangle : scene.triangles) features.smoothNormals |= triangle.normals != kNoNormals;
   for (const Light& light : scene.lights) features.falloff |= light.falloff != Falloff::none;
 
   std::vector<bool> used(scene.materials.size());
-  for (const Sphere& sphere : scene.spheres) used[sphere.material] = true;
-  for (const Triangle& triangle : scene.triangles) {
-    used[triangle.material] = true;
-    features.smoothNormals |= triangle.normals != kNoNormals;
-  }
+  Scene::visitPrimitives(scene, [&](const char*, const auto& primitives) {
+    for (const auto& primitive : primitives) used[primitive.material] = true;
+  });
   for (size_t i = 0; i < used.size(); ++i) {
     if (!used[i]) continue;
     const Material& material = scene.materials[i];
@@ -132,46 +60,60 @@ gpu::uvec4 mediaAroundEye(const PreparedGeometry& prepared) {
   return std::bit_cast<gpu::uvec4>(words);
 }
 
+// What an element takes of the packed scene.
+struct Footprint {
+  uint type;  // bits of a reference
+  uint units;
+  uint vertexNormals = 0;
+};
+Footprint footprintOf(const Scene&, const Sphere&) {
+  return {0, gpu::kSphereUnits};
+}
+Footprint footprintOf(const Scene& scene, const TrianglePair& pair) {
+  const bool isSmooth = scene.triangles[pair.first].normals != kNoNormals;
+  return {gpu::kRefTriangle, gpu::kPairUnits, isSmooth ? (pair.isAlone() ? 1u : 2u) : 0u};
+}
+
+Footprint footprintOf(const PreparedGeometry& prepared, size_t element) {
+  return prepared.visitElement(element, [&](const auto& e) { return footprintOf(prepared.scene, e); });
+}
+
 // Throws where the kernel's numbers have no room for the scene.
 void checkLimits(const PreparedGeometry& prepared, int treeDepth) {
-  const Scene& local = prepared.scene;
-  const size_t sphereCount = local.spheres.size();
-  if (gpu::kSphereUnits * sphereCount + gpu::kPairUnits * prepared.pairs.size() > gpu::kMaxUnits)
-    throw InputError("the scene has more spheres and triangles than the kernel can number: " +
-                     std::to_string(sphereCount + local.triangles.size()) + "; it takes " +
-                     std::to_string(gpu::kMaxUnits / gpu::kSphereUnits) + " spheres or " +
-                     std::to_string(gpu::kMaxUnits / gpu::kPairUnits) +
-                     " triangles, twice as many where all are in pairs");
+  uint64_t units = 0;
+  for (size_t element = 0; element < prepared.elementCount(); ++element) units += footprintOf(prepared, element).units;
+  if (units > gpu::kMaxUnits)
+    throw InputError(
+        "the scene has more primitives than the kernel can number: " + std::to_string(prepared.scene.primitiveCount()) +
+        "; it takes " + std::to_string(gpu::kMaxUnits / gpu::kSphereUnits) + " spheres or " +
+        std::to_string(gpu::kMaxUnits / gpu::kPairUnits) + " triangles, twice as many where all are in pairs");
   if (treeDepth > int(gpu::kMaxTreeDepth))
     throw RunError("the tree is " + std::to_string(treeDepth) + " nodes deep, more than the kernel's stack holds");
 
-  if (!prepared.dielectrics.empty() && local.materials.size() > gpu::kMaxMaterials)
+  if (!prepared.dielectrics.empty() && prepared.scene.materials.size() > gpu::kMaxMaterials)
     throw InputError("the scene has " + std::to_string(prepared.firstMedium) + " materials and " +
                      std::to_string(prepared.dielectrics.materials.size()) +
                      " solids of glass that overlap or touch; the kernel can number " +
                      std::to_string(gpu::kMaxMaterials) + " of both; use --backend reference");
 }
 
-// Where the primitives go, in the order of the leaves.
+// Where the elements go, in the order of the leaves.
 struct Placement {
   std::vector<uint> references;       // type and offset of each
   std::vector<uint> normals;          // offset of its vertex normals
   uint units = 0, vertexNormals = 0;  // of all
 };
 
-Placement placePrimitives(const PreparedGeometry& prepared, const Bvh& bvh) {
-  const std::vector<Triangle>& triangles = prepared.scene.triangles;
+Placement placeElements(const PreparedGeometry& prepared, const Bvh& bvh) {
   Placement placement;
   reservePrefaulted(placement.references, bvh.order.size());
   reservePrefaulted(placement.normals, bvh.order.size());
-  for (const uint primitive : bvh.order) {
-    const bool isPair = primitive >= prepared.firstPair();
-    placement.references.push_back((isPair ? gpu::kRefTriangle : 0) | placement.units);
+  for (const uint element : bvh.order) {
+    const Footprint footprint = footprintOf(prepared, element);
+    placement.references.push_back(footprint.type | placement.units);
     placement.normals.push_back(placement.vertexNormals);
-    placement.units += isPair ? gpu::kPairUnits : gpu::kSphereUnits;
-    if (!isPair) continue;
-    const TrianglePair& pair = prepared.pairs[primitive - prepared.firstPair()];
-    if (triangles[pair.first].normals != kNoNormals) placement.vertexNormals += pair.isAlone() ? 1 : 2;
+    placement.units += footprint.units;
+    placement.vertexNormals += footprint.vertexNormals;
   }
   return placement;
 }
@@ -184,45 +126,65 @@ std::vector<uint> findNearSpheres(const Scene& scene) {
   return found;
 }
 
-// Primitives and vertex normals. `nearSpheres` have their NearSphere behind all materials.
-void packGeometry(const PreparedGeometry& prepared, const Bvh& bvh, const Placement& placement,
-                  std::span<const uint> nearSpheres, PackedScene& packed) {
-  const Scene& local = prepared.scene;
-  const size_t sphereCount = local.spheres.size();
-  const std::vector<uint> rank = tieBreakRanks(prepared);
-  const uint nearSpheresAt = gpu::kMaterialWords * uint(local.materials.size());
-  // The kernel may look for all of a pair behind a last sphere.
-  const size_t rowCount = gpu::kUnitWords * (placement.units + gpu::kPairUnits);
-  reservePrefaulted(packed.primitives, rowCount);
-  packed.primitives.resize(rowCount);
-  reservePrefaulted(packed.vertexNormals, placement.vertexNormals);
-  packed.vertexNormals.resize(placement.vertexNormals);
-  forAll(bvh.order.size(), [&](size_t i) {
-    const uint primitive = bvh.order[i];
-    Word4* const words = &packed.primitives[gpu::kUnitWords * (placement.references[i] & gpu::kRefOffsetMask)];
-    if (primitive < sphereCount) {
-      const Sphere& sphere = local.spheres[primitive];
-      const auto near = std::lower_bound(nearSpheres.begin(), nearSpheres.end(), primitive);
-      const gpu::Sphere packedSphere =
-          near == nearSpheres.end() || *near != primitive
-              ? packSphere(sphere, rank[primitive])
-              : packNearSphere(sphere, rank[primitive], nearSpheresAt + uint(near - nearSpheres.begin()));
-      std::memcpy(words, &packedSphere, sizeof packedSphere);
-      return;
-    }
-    const TrianglePair& pair = prepared.pairs[primitive - sphereCount];
-    const gpu::TrianglePair packedPair =
-        packPair(prepared, pair, placement.normals[i], std::span(rank).subspan(sphereCount));
-    std::memcpy(words, &packedPair, sizeof packedPair);
-    if (local.triangles[pair.first].normals == kNoNormals) return;
-    const auto putNormals = [&](size_t to, uint triangle) {
-      const auto& [a, b, c] = local.normals[local.triangles[triangle].normals];
-      packed.vertexNormals[to] = {toVec3(a), 0, toVec3(b), 0, toVec3(c), 0};
-    };
-    putNormals(placement.normals[i], pair.first);
-    if (!pair.isAlone()) putNormals(placement.normals[i] + 1, pair.second);
-  });
-}
+// Writes the elements, each at its place, and the vertex normals.
+class ElementPacker {
+ public:
+  // `nearSpheres` have their NearSphere behind all materials.
+  ElementPacker(const PreparedGeometry& prepared, const Bvh& bvh, const Placement& placement,
+                std::span<const uint> nearSpheres, PackedScene& packed)
+      : prepared_(prepared), bvh_(bvh), placement_(placement), nearSpheres_(nearSpheres), packed_(packed) {}
+
+  void pack() {
+    // The kernel may look for all of a pair behind a last sphere.
+    const size_t words = gpu::kUnitWords * size_t(placement_.units + gpu::kPairUnits);
+    reservePrefaulted(packed_.primitives, words);
+    packed_.primitives.resize(words);
+    reservePrefaulted(packed_.vertexNormals, placement_.vertexNormals);
+    packed_.vertexNormals.resize(placement_.vertexNormals);
+    forAll(bvh_.order.size(),
+           [&](size_t i) { prepared_.visitElement(bvh_.order[i], [&](const auto& element) { pack(i, element); }); });
+  }
+
+ private:
+  template <class Structure>
+  void put(size_t i, const Structure& structure) {
+    const uint unit = placement_.references[i] & gpu::kRefOffsetMask;
+    std::memcpy(&packed_.primitives[gpu::kUnitWords * size_t(unit)], &structure, sizeof structure);
+  }
+
+  // The i-th of the leaves' order.
+  void pack(size_t i, const Sphere& sphere) {
+    const uint id = bvh_.order[i];
+    const auto near = std::lower_bound(nearSpheres_.begin(), nearSpheres_.end(), id);
+    if (near == nearSpheres_.end() || *near != id) return put(i, packSphere(sphere, ranks_[id]));
+    const uint materials = gpu::kMaterialWords * uint(prepared_.scene.materials.size());
+    put(i, packNearSphere(sphere, ranks_[id], materials + uint(near - nearSpheres_.begin())));
+  }
+
+  void pack(size_t i, const TrianglePair& pair) {
+    const std::vector<Triangle>& triangles = prepared_.scene.triangles;
+    const uint* const ranks = &ranks_[prepared_.firstPair()];
+    const Triangle& first = triangles[pair.first];
+    put(i, pair.isAlone() ? packPair(first, ranks[pair.first], nullptr, 0, placement_.normals[i])
+                          : packPair(first, ranks[pair.first], &triangles[pair.second], ranks[pair.second],
+                                     placement_.normals[i]));
+    if (first.normals == kNoNormals) return;
+    packNormals(placement_.normals[i], first);
+    if (!pair.isAlone()) packNormals(placement_.normals[i] + 1, triangles[pair.second]);
+  }
+
+  void packNormals(size_t to, const Triangle& triangle) {
+    const auto& [a, b, c] = prepared_.scene.normals[triangle.normals];
+    packed_.vertexNormals[to] = {toVec3(a), 0, toVec3(b), 0, toVec3(c), 0};
+  }
+
+  const PreparedGeometry& prepared_;
+  const Bvh& bvh_;
+  const Placement& placement_;
+  const std::span<const uint> nearSpheres_;
+  const std::vector<uint> ranks_ = tieBreakRanks(prepared_);
+  PackedScene& packed_;
+};
 
 // Nodes and root.
 void packTree(const Bvh& bvh, std::span<const uint> references, PackedScene& packed) {
@@ -278,22 +240,25 @@ std::vector<LightBufferPoint> planLightBuffers(const Scene& scene, const RenderS
 
 std::vector<uint> tieBreakRanks(const PreparedGeometry& prepared) {
   const Scene& scene = prepared.scene;
-  const size_t spheres = scene.spheres.size(), count = spheres + scene.triangles.size();
+  const size_t count = scene.primitiveCount();
   std::vector<uint> result;
   reservePrefaulted(result, count);
   result.resize(count);
-  // 0: opaque; 1: glass; 2 and more: a solid, less where its priority is higher.
-  const auto groupOf = [&](size_t id) {
-    const uint material = id < spheres ? scene.spheres[id].material : scene.triangles[id - spheres].material;
-    if (material >= prepared.firstMedium) return uint(scene.materials.size()) + 1 - material;
-    return scene.materials[material].transmit > 0 ? 1u : 0u;
-  };
   if (!hasGlass(scene)) {
     std::iota(result.begin(), result.end(), 0u);
     return result;
   }
+  // 0: opaque; 1: glass; 2 and more: a solid, less where its priority is higher.
+  const auto groupOf = [&](uint material) {
+    if (material >= prepared.firstMedium) return uint(scene.materials.size()) + 1 - material;
+    return scene.materials[material].transmit > 0 ? 1u : 0u;
+  };
   std::vector<uint> groups(count), starts(scene.materials.size() - prepared.firstMedium + 3);
-  forAll(count, [&](size_t id) { groups[id] = groupOf(id); });
+  size_t firstId = 0;
+  Scene::visitPrimitives(scene, [&](const char*, const auto& primitives) {
+    forAll(primitives.size(), [&](size_t i) { groups[firstId + i] = groupOf(primitives[i].material); });
+    firstId += primitives.size();
+  });
   for (const uint group : groups) ++starts[group + 1];
   std::partial_sum(starts.begin(), starts.end(), starts.begin());
   for (size_t id = 0; id < count; ++id) result[id] = starts[groups[id]]++;
@@ -319,14 +284,11 @@ PackedScene packScene(const PreparedGeometry& prepared, const Bvh& bvh, const Re
                  .height = settings.height,
                  .crop = settings.crop};
   packed.treeDepth = bvh.depth;
-  packed.primitiveCount = local.spheres.size() + local.triangles.size();
+  packed.primitiveCount = local.primitiveCount();
 
   const std::vector<uint> nearSpheres = findNearSpheres(local);
-  packed.features.nearSpheres = !nearSpheres.empty();
-  for (const Sphere& sphere : local.spheres) packed.features.farSpheres |= isFarFromEye(sphere);
-
-  const Placement placement = placePrimitives(prepared, bvh);
-  packGeometry(prepared, bvh, placement, nearSpheres, packed);
+  const Placement placement = placeElements(prepared, bvh);
+  ElementPacker(prepared, bvh, placement, nearSpheres, packed).pack();
   packTree(bvh, placement.references, packed);
   packMaterials(prepared, nearSpheres, packed);
   packLights(local, packed);

@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "gpu/words.h"
 #include "image/camera_basis.h"
+#include "primitives/words.h"
 
 namespace turner {
 

@@ -13,7 +13,7 @@ PackedScene prepareScene(Scene scene, const RenderSettings& settings) {
   Scene local = roundScene(std::move(scene));
   checkReach(local);
   const PreparedGeometry prepared = prepareGeometry(std::move(local));
-  return packScene(prepared, buildBvh(prepared.boxes, prepared.firstPair()), settings);
+  return packScene(prepared, buildBvh(prepared.boxes, prepared.typeStarts()), settings);
 }
 
 }  // namespace turner

@@ -107,7 +107,7 @@ Image errorImage(const Image& a, const Image& b) {
   return error;
 }
 
-std::vector<std::string> brokenBounds(const Comparison& comparison, const Bounds& bounds) {
+std::vector<std::string> brokenBounds(const Comparison& comparison, const ErrorBounds& bounds) {
   std::vector<std::string> broken;
   const auto check = [&](const char* name, double value, double bound) {
     if (bound < 0) return;

@@ -30,11 +30,11 @@ Comparison compareImages(const Image& a, const Image& b, double threshold);
 Image errorImage(const Image& a, const Image& b);
 
 // Bounds a comparison may not exceed; negative: no such bound.
-struct Bounds {
+struct ErrorBounds {
   double rmse = -1, max = -1, badPixels = -1;
 };
 
 // A sentence for every bound that is set and does not hold; none: all hold. A NaN or an infinity breaks every bound.
-std::vector<std::string> brokenBounds(const Comparison& comparison, const Bounds& bounds);
+std::vector<std::string> brokenBounds(const Comparison& comparison, const ErrorBounds& bounds);
 
 }  // namespace turner

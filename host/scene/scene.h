@@ -8,6 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "primitives/sphere.h"
+#include "primitives/triangle.h"
+
 namespace turner {
 
 struct Camera {
@@ -49,21 +52,6 @@ struct Material {
   }
 };
 
-struct Sphere {
-  glm::dvec3 center{0, 0, 0};
-  double radius = 1;  // negative (NFF only): the surface faces inward, Ng = (p - center) / radius
-  uint32_t material = 0;
-  double radiusRest = 0;  // the radius is the unevaluated sum of both: only roundScene needs that
-};
-
-inline constexpr uint32_t kNoNormals = UINT32_MAX;
-
-struct Triangle {
-  std::array<glm::dvec3, 3> vertices;  // counter-clockwise seen from the front
-  uint32_t material = 0;
-  uint32_t normals = kNoNormals;  // index into Scene::normals
-};
-
 // A file that a scene was read from.
 struct SourceFile {
   std::string path;    // as written in the scene, or the scene's own name
@@ -86,6 +74,18 @@ struct Scene {
   std::vector<Triangle> triangles;
   std::vector<std::array<glm::dvec3, 3>> normals;  // vertex normals, three for each smooth triangle, its own
   std::vector<std::string> notes;                  // what the user should be told: no lights, no objects, ...
+
+  // Visits the types of primitives in the order of their ids: visit(name, vector).
+  template <class Self, class Visit>
+  static void visitPrimitives(Self& scene, Visit&& visit) {
+    visit("spheres", scene.spheres);
+    visit("triangles", scene.triangles);
+  }
+  size_t primitiveCount() const {
+    size_t count = 0;
+    visitPrimitives(*this, [&](const char*, const auto& primitives) { count += primitives.size(); });
+    return count;
+  }
 };
 
 // The largest values that a scene or the command line may ask for.

@@ -4,9 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <glm/common.hpp>
 #include <glm/geometric.hpp>
-#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -55,34 +53,21 @@ void dropTrianglesWithoutArea(Scene& scene) {
   if (dropped > 1) scene.notes.push_back(std::to_string(dropped) + " triangles without area were dropped");
 }
 
-struct Bounds {
-  glm::dvec3 low{std::numeric_limits<double>::infinity()};
-  glm::dvec3 high{-std::numeric_limits<double>::infinity()};
-
-  void add(const glm::dvec3& a, const glm::dvec3& b) {
-    low = glm::min(low, glm::min(a, b));
-    high = glm::max(high, glm::max(a, b));
-  }
-};
-
 Bounds boundsOf(const Scene& scene) {
   Bounds bounds;
-  for (const Sphere& sphere : scene.spheres) {
-    bounds.add(sphere.center - std::abs(sphere.radius), sphere.center + std::abs(sphere.radius));
-  }
-  for (const Triangle& triangle : scene.triangles) {
-    for (const glm::dvec3& vertex : triangle.vertices) bounds.add(vertex, vertex);
-  }
+  Scene::visitPrimitives(scene, [&](const char*, const auto& primitives) {
+    for (const auto& primitive : primitives) bounds.include(boundsOf(primitive));
+  });
   return bounds;
 }
 
 // Looks from the front, a little from above and from the right, at the sphere around the scene's bounds.
 Camera fitCamera(const Scene& scene) {
   Camera camera;
-  if (scene.spheres.empty() && scene.triangles.empty()) return camera;
+  if (scene.primitiveCount() == 0) return camera;
   const Bounds bounds = boundsOf(scene);
-  const glm::dvec3 center = 0.5 * (bounds.low + bounds.high);
-  const double radius = 0.5 * glm::length(bounds.high - bounds.low);
+  const glm::dvec3 center = 0.5 * (bounds.lo + bounds.hi);
+  const double radius = 0.5 * glm::length(bounds.hi - bounds.lo);
 
   // The narrower of the two angles of view must hold the sphere, with a small margin around it.
   const double tangent = std::tan(0.5 * camera.fov * std::numbers::pi / 180);
@@ -100,8 +85,7 @@ Camera fitCamera(const Scene& scene) {
 
 void noteWhatIsMissing(Scene& scene, bool hasCamera) {
   if (scene.lights.empty()) scene.notes.push_back("the scene has no lights: its objects are black");
-  if (scene.spheres.empty() && scene.triangles.empty())
-    scene.notes.push_back("the scene has no objects: the picture is its background");
+  if (scene.primitiveCount() == 0) scene.notes.push_back("the scene has no objects: the picture is its background");
   if (!hasCamera) scene.notes.push_back("the scene has no camera: one was fitted to its bounds");
 }
 

@@ -144,7 +144,7 @@ class TurnerSide {
   Built build(Scene local, const RenderSettings& settings) {
     const Clock::time_point start = Clock::now();
     const PreparedGeometry prepared = prepareGeometry(std::move(local));
-    PackedScene packed = packScene(prepared, buildBvh(prepared.boxes, prepared.firstPair()), settings,
+    PackedScene packed = packScene(prepared, buildBvh(prepared.boxes, prepared.typeStarts()), settings,
                                    everything_ ? TraversalStart::mixedLists : TraversalStart::lists);
     if (everything_) packed.features = everyFeature(packed.features.lights);
     const Built built{secondsSince(start), packed.bytes()};

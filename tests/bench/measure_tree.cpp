@@ -18,13 +18,14 @@ namespace {
 
 // Nodes in a row whose boxes hold everything: each has a leaf, and the rest of the list. Every ray tests every
 // primitive.
-Bvh listOf(const std::vector<Box>& boxes, size_t firstOfSecondKind) {
+Bvh listOf(const std::vector<Box>& boxes, const KindStarts& kinds) {
   const Box everything{glm::vec3(-1e9f), glm::vec3(1e9f)};
   Bvh list;
   std::vector<BvhChild> leaves;
   for (uint32_t i = 0; i < boxes.size(); ++i) list.order.push_back(i);
   for (uint32_t first = 0; first < boxes.size();) {
-    const uint32_t end = uint32_t(first < firstOfSecondKind ? firstOfSecondKind : boxes.size());
+    const auto start = std::upper_bound(kinds.begin(), kinds.end(), first);
+    const uint32_t end = uint32_t(start != kinds.end() ? *start : boxes.size());
     const uint32_t count = std::min(gpu::kMaxLeafSize, end - first);
     leaves.push_back({everything, first, count});
     first += count;
@@ -81,9 +82,9 @@ void measure(const std::string& name, const Scene& scene) {
   settings.crop = {160, 224, 224, 288};
   const PreparedGeometry prepared = prepareGeometry(roundScene(scene));
   const PackedScene tree =
-      packScene(prepared, buildBvh(prepared.boxes, prepared.firstPair()), settings, TraversalStart::wholeTree);
+      packScene(prepared, buildBvh(prepared.boxes, prepared.typeStarts()), settings, TraversalStart::wholeTree);
   const PackedScene list =
-      packScene(prepared, listOf(prepared.boxes, prepared.firstPair()), settings, TraversalStart::wholeTree);
+      packScene(prepared, listOf(prepared.boxes, prepared.typeStarts()), settings, TraversalStart::wholeTree);
   Image treeImage, listImage;
   const double treeSeconds = traceSeconds(tree, settings, treeImage);
   const double rays = double(test::renderer().countVisits(test::kernel(), settings).rays.total());

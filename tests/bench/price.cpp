@@ -134,7 +134,7 @@ class Kernel {
   Features upload(const Scene& local, const RenderSettings& picture) {
     PreparedGeometry prepared = prepareGeometry(local);
     if (hasExactBoxes()) prepared.boxes = exactBoxes(prepared);
-    const PackedScene packed = packScene(prepared, buildBvh(prepared.boxes, prepared.firstPair()), picture);
+    const PackedScene packed = packScene(prepared, buildBvh(prepared.boxes, prepared.typeStarts()), picture);
     renderer_.upload(packed);
     return packed.features;
   }

@@ -59,15 +59,15 @@ Scene soup(Random& random) {
 }
 
 // A tree that every ray walks to its end.
-Bvh treeOfEverything(std::span<const Box> boxes, size_t firstOfSecondKind, const BvhLimits& limits) {
-  return buildMedianBvh(std::vector<Box>(boxes.size(), {vec3(-1e6f), vec3(1e6f)}), firstOfSecondKind, limits);
+Bvh treeOfEverything(std::span<const Box> boxes, const KindStarts& kinds, const BvhLimits& limits) {
+  return buildMedianBvh(std::vector<Box>(boxes.size(), {vec3(-1e6f), vec3(1e6f)}), kinds, limits);
 }
 
 void setScene(const Trial& trial, const Scene& scene) {
   if (!trial.exactBoxes) return trial.kernels.setScene(scene);
   const std::vector<Box> boxes = exactBoxes(prepareGeometry(roundScene(scene)));
-  trial.kernels.setScene(scene, [&](std::span<const Box>, size_t firstOfSecondKind, const BvhLimits& limits) {
-    return buildBvh(boxes, firstOfSecondKind, limits);
+  trial.kernels.setScene(scene, [&](std::span<const Box>, const KindStarts& kinds, const BvhLimits& limits) {
+    return buildBvh(boxes, kinds, limits);
   });
 }
 

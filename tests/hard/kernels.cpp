@@ -110,7 +110,7 @@ NaiveScene naiveScene(const Scene& local) {
     boxes.push_back({glm::min(a, glm::min(b, c)), glm::max(a, glm::max(b, c))});
   }
   const size_t sphereCount = local.spheres.size();
-  const Bvh bvh = buildBvh(boxes, sphereCount);
+  const Bvh bvh = buildBvh(boxes, {sphereCount});
   NaiveScene scene;
   // Node 0 is the root; the children of Bvh node n are 2 n + 1 and 2 n + 2.
   const auto put = [&](const BvhChild& child) {
@@ -224,7 +224,7 @@ void Kernels::setScene(const Scene& world, const BuildTree& build) {
   settings.width = settings.height = 8;
   settings.crop = {0, 0, 8, 8};
   const PackedScene packed =
-      packScene(prepared, build(prepared.boxes, prepared.firstPair(), {}), settings, TraversalStart::wholeTree);
+      packScene(prepared, build(prepared.boxes, prepared.typeStarts(), {}), settings, TraversalStart::wholeTree);
   parts.features = packed.features;
   const std::vector<uint> order = tieBreakRanks(prepared);
   parts.ids.resize(order.size());

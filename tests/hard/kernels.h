@@ -69,7 +69,7 @@ class Kernels {
   // is the origin, scaled and rounded. `bvh` replaces the renderer's tree.
   void setScene(const Scene& world);
   // The same with a tree of the test's.
-  using BuildTree = std::function<Bvh(std::span<const Box>, size_t, const BvhLimits&)>;
+  using BuildTree = std::function<Bvh(std::span<const Box>, const KindStarts&, const BvhLimits&)>;
   void setScene(const Scene& world, const BuildTree& build);
   // What the kernel has: the result of roundScene.
   const Scene& local() const;

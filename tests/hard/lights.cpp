@@ -579,7 +579,7 @@ Scene turned(Scene scene) {
 Image renderWithMedianTree(const Scene& scene, int size) {
   const RenderSettings settings = test::settingsOf(scene, size, size);
   const PreparedGeometry prepared = prepareGeometry(roundScene(scene));
-  test::renderer().upload(packScene(prepared, buildMedianBvh(prepared.boxes, prepared.firstPair()), settings));
+  test::renderer().upload(packScene(prepared, buildMedianBvh(prepared.boxes, prepared.typeStarts()), settings));
   return test::renderer().render(test::kernel(), settings).image;
 }
 

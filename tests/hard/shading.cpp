@@ -707,11 +707,14 @@ void invariance(const Bench& bench, Report& report) {
 // tree has.
 class ShuffledTree {
  public:
-  ShuffledTree(std::span<const Box> boxes, size_t firstOfSecondKind, Random& random)
-      : boxes_(boxes), second_(firstOfSecondKind) {
+  ShuffledTree(std::span<const Box> boxes, const KindStarts& kinds, Random& random) : boxes_(boxes), kinds_(kinds) {
     for (uint32_t i = 0; i < boxes.size(); ++i) bvh_.order.push_back(i);
-    std::shuffle(bvh_.order.begin(), bvh_.order.begin() + std::ptrdiff_t(second_), random);
-    std::shuffle(bvh_.order.begin() + std::ptrdiff_t(second_), bvh_.order.end(), random);
+    size_t begin = 0;
+    kinds_.push_back(boxes.size());
+    for (const size_t end : kinds_) {
+      std::shuffle(bvh_.order.begin() + std::ptrdiff_t(begin), bvh_.order.begin() + std::ptrdiff_t(end), random);
+      begin = end;
+    }
     if (!boxes.empty()) bvh_.root = build(0, boxes.size(), 0);
   }
   const Bvh& bvh() const { return bvh_; }
@@ -724,7 +727,8 @@ class ShuffledTree {
       const Box& box = boxes_[bvh_.order[i]];
       child.box = {glm::min(child.box.lo, box.lo), glm::max(child.box.hi, box.hi)};
     }
-    const bool isMixed = begin < second_ && second_ < end;
+    const size_t start = *std::upper_bound(kinds_.begin(), kinds_.end() - 1, begin);
+    const bool isMixed = start < end;
     if (!isMixed && end - begin <= BvhLimits{}.maxLeafSize) {
       std::sort(bvh_.order.begin() + std::ptrdiff_t(begin), bvh_.order.begin() + std::ptrdiff_t(end));
       child.first = uint32_t(begin);
@@ -734,14 +738,14 @@ class ShuffledTree {
     child.first = uint32_t(bvh_.nodes.size());
     bvh_.nodes.emplace_back();
     bvh_.depth = std::max(bvh_.depth, depth + 1);
-    const size_t middle = isMixed ? second_ : begin + (end - begin) / 2;
+    const size_t middle = isMixed ? start : begin + (end - begin) / 2;
     const BvhChild first = build(begin, middle, depth + 1), second = build(middle, end, depth + 1);
     bvh_.nodes[child.first] = {{first, second}};
     return child;
   }
 
   std::span<const Box> boxes_;
-  size_t second_;
+  KindStarts kinds_;  // and where the last one ends
   Bvh bvh_;
 };
 
@@ -765,9 +769,9 @@ void addDiffering(const Scene& scene, const RenderSettings& settings, int repeat
   for (int i = 0; i < repeats; ++i) differing.byRepeating += render({});
 
   const PreparedGeometry prepared = prepareGeometry(roundScene(scene));
-  const ShuffledTree shuffled(prepared.boxes, prepared.firstPair(), random);
-  for (const Bvh& bvh : {buildBvh(prepared.boxes, prepared.firstPair()),
-                         buildMedianBvh(prepared.boxes, prepared.firstPair()), shuffled.bvh()})
+  const ShuffledTree shuffled(prepared.boxes, prepared.typeStarts(), random);
+  for (const Bvh& bvh : {buildBvh(prepared.boxes, prepared.typeStarts()),
+                         buildMedianBvh(prepared.boxes, prepared.typeStarts()), shuffled.bvh()})
     for (const TraversalStart cubes : {TraversalStart::lists, TraversalStart::wholeTree}) {
       test::renderer().upload(packScene(prepared, bvh, settings, cubes));
       differing.byTree += render({});

@@ -305,8 +305,8 @@ Scene triangleSoup(double translation, Random& random) {
 }
 
 // A tree whose boxes all hold the whole scene and more: it loses nothing, and every ray tests every primitive.
-Bvh buildOfOpenBoxes(std::span<const Box> boxes, size_t firstOfSecondKind, const BvhLimits& limits) {
-  Bvh bvh = buildBvh(boxes, firstOfSecondKind, limits);
+Bvh buildOfOpenBoxes(std::span<const Box> boxes, const KindStarts& kinds, const BvhLimits& limits) {
+  Bvh bvh = buildBvh(boxes, kinds, limits);
   const vec3 size = bvh.root.box.hi - bvh.root.box.lo;
   const Box open{bvh.root.box.lo - size, bvh.root.box.hi + size};
   bvh.root.box = open;
@@ -365,7 +365,7 @@ void reportBuilds(const std::string& what, const Scene& scene, int depthBar, Rep
   const PreparedGeometry prepared = prepareGeometry(roundScene(scene));
   const auto reportOne = [&](const char* name, auto* build) {
     const auto start = std::chrono::steady_clock::now();
-    const Bvh bvh = build(prepared.boxes, prepared.firstPair(), BvhLimits{});
+    const Bvh bvh = build(prepared.boxes, prepared.typeStarts(), BvhLimits{});
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     const bool isWhole = bvh.order.size() == prepared.boxes.size();
     report.atMost(fmt::format("{}, {}: depth", what, name), isWhole ? double(bvh.depth) : NAN, depthBar);

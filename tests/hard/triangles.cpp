@@ -263,7 +263,7 @@ Image renderWith(const Scene& scene, const RenderSettings& settings, bool median
                  const Dispatching& dispatching) {
   const PreparedGeometry prepared = prepareGeometry(roundScene(scene));
   const Bvh bvh =
-      medians ? buildMedianBvh(prepared.boxes, prepared.firstPair()) : buildBvh(prepared.boxes, prepared.firstPair());
+      medians ? buildMedianBvh(prepared.boxes, prepared.typeStarts()) : buildBvh(prepared.boxes, prepared.typeStarts());
   test::renderer().upload(packScene(prepared, bvh, settings, cubes));
   return test::renderer().render(test::kernel(), settings, {}, dispatching).image;
 }

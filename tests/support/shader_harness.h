@@ -50,7 +50,7 @@ inline const Spirv& kernel() {
 inline PackedScene packed(const Scene& scene, const RenderSettings& settings,
                           TraversalStart start = TraversalStart::lists) {
   const PreparedGeometry prepared = prepareGeometry(roundScene(scene));
-  return packScene(prepared, buildBvh(prepared.boxes, prepared.firstPair()), settings, start);
+  return packScene(prepared, buildBvh(prepared.boxes, prepared.typeStarts()), settings, start);
 }
 
 inline Image renderShader(const Scene& scene, const RenderSettings& settings, const Dispatching& dispatching = {}) {

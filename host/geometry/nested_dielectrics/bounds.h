@@ -6,7 +6,6 @@
 #include <glm/common.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vector_relational.hpp>
-#include <limits>
 
 #include "scene/scene.h"
 
@@ -14,23 +13,14 @@ namespace turner::nested_dielectrics {
 
 using glm::dvec3;
 
-struct Bounds {
-  dvec3 lo{std::numeric_limits<double>::infinity()}, hi{-std::numeric_limits<double>::infinity()};
-  void include(const Bounds& other) {
-    lo = glm::min(lo, other.lo);
-    hi = glm::max(hi, other.hi);
-  }
-};
-
 // Seen from the eye, as are all bounds here: float32 rounds what the kernel gets in proportion to that.
-inline Bounds boundsOf(const Scene& scene, const Sphere& sphere) {
-  const dvec3 center = sphere.center - scene.camera.eye;
-  const double radius = std::abs(sphere.radius);
-  return {center - radius, center + radius};
+inline Bounds boundsOf(const Scene& scene, Sphere sphere) {
+  sphere.center -= scene.camera.eye;
+  return boundsOf(sphere);
 }
 inline Bounds boundsOf(const Scene& scene, const Triangle& triangle) {
-  const auto& [a, b, c] = triangle.vertices;
-  return {glm::min(a, glm::min(b, c)) - scene.camera.eye, glm::max(a, glm::max(b, c)) - scene.camera.eye};
+  const Bounds bounds = boundsOf(triangle);
+  return {bounds.lo - scene.camera.eye, bounds.hi - scene.camera.eye};
 }
 
 // Interfaces nearer to each other than this share of their distance from the eye touch. More than the

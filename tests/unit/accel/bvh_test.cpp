@@ -20,7 +20,7 @@ struct Census {
   std::vector<int> seen;
   int depth = 0;
 
-  void visit(const Bvh& bvh, std::span<const Box> boxes, size_t firstOfSecondKind, const BvhChild& child, int level,
+  void visit(const Bvh& bvh, std::span<const Box> boxes, const KindStarts& kinds, const BvhChild& child, int level,
              uint32_t maxLeafSize) {
     if (child.count == 0) {
       depth = std::max(depth, level);
@@ -30,7 +30,7 @@ struct Census {
         if (below.count == 0) {
           EXPECT_GT(below.first, child.first) << "not depth first";
         }
-        visit(bvh, boxes, firstOfSecondKind, below, level + 1, maxLeafSize);
+        visit(bvh, boxes, kinds, below, level + 1, maxLeafSize);
       }
       return;
     }
@@ -39,7 +39,8 @@ struct Census {
       const uint32_t entry = bvh.order.at(i);
       ++seen.at(entry);
       EXPECT_TRUE(contains(child.box, boxes[entry]));
-      EXPECT_EQ(entry < firstOfSecondKind, bvh.order[child.first] < firstOfSecondKind) << "a leaf of two kinds";
+      for (const size_t start : kinds)
+        EXPECT_EQ(entry < start, bvh.order[child.first] < start) << "a leaf of two kinds";
       if (i > child.first) {
         EXPECT_LT(bvh.order[i - 1], entry);
       }
@@ -47,10 +48,10 @@ struct Census {
   }
 };
 
-void expectWhole(const Bvh& bvh, std::span<const Box> boxes, size_t firstOfSecondKind, const BvhLimits& limits = {}) {
+void expectWhole(const Bvh& bvh, std::span<const Box> boxes, const KindStarts& kinds, const BvhLimits& limits = {}) {
   Census census;
   census.seen.assign(boxes.size(), 0);
-  census.visit(bvh, boxes, firstOfSecondKind, bvh.root, 1, limits.maxLeafSize);
+  census.visit(bvh, boxes, kinds, bvh.root, 1, limits.maxLeafSize);
   EXPECT_EQ(bvh.order.size(), boxes.size());
   EXPECT_TRUE(std::all_of(census.seen.begin(), census.seen.end(), [](int n) { return n == 1; }));
   EXPECT_EQ(bvh.depth, census.depth);
@@ -72,13 +73,13 @@ TEST(Bvh, HoldsEveryBoxOnce) {
   for (const size_t count : {1, 2, 3, 7, 8, 9, 100, 5000}) {
     SCOPED_TRACE(count);
     const std::vector<Box> boxes = randomBoxes(count, unsigned(count));
-    expectWhole(buildBvh(boxes, count / 3), boxes, count / 3);
-    expectWhole(buildMedianBvh(boxes, count / 3), boxes, count / 3);
+    expectWhole(buildBvh(boxes, {count / 3}), boxes, {count / 3});
+    expectWhole(buildMedianBvh(boxes, {count / 3}), boxes, {count / 3});
   }
 }
 
 TEST(Bvh, IsEmptyWithoutBoxes) {
-  const Bvh bvh = buildBvh({}, 0);
+  const Bvh bvh = buildBvh({}, {});
   EXPECT_TRUE(bvh.nodes.empty());
   EXPECT_TRUE(bvh.order.empty());
   EXPECT_EQ(bvh.root.count, 0u);
@@ -86,39 +87,39 @@ TEST(Bvh, IsEmptyWithoutBoxes) {
 
 TEST(Bvh, ManyEqualCentroidsSurvive) {
   std::vector<Box> same(100'000, Box{glm::vec3(1), glm::vec3(2)});
-  expectWhole(buildBvh(same, 50'000), same, 50'000);
-  expectWhole(buildMedianBvh(same, 50'000), same, 50'000);
+  expectWhole(buildBvh(same, {50'000}), same, {50'000});
+  expectWhole(buildMedianBvh(same, {50'000}), same, {50'000});
   std::vector<Box> nested(100'000);
   for (size_t i = 0; i < nested.size(); ++i) {
     const float radius = 1 + 1e-6f * float(i);
     nested[i] = {glm::vec3(-radius), glm::vec3(radius)};
   }
-  expectWhole(buildBvh(nested, nested.size()), nested, nested.size());
+  expectWhole(buildBvh(nested, {nested.size()}), nested, {nested.size()});
 }
 
 // Boxes nested into one corner make Embree give up under a depth limit: the fallback must take over.
 TEST(Bvh, BoxesNestedIntoACornerStayBelowTheDepth) {
   std::vector<Box> boxes;
   for (int i = 0; i < 100'000; ++i) boxes.push_back({glm::vec3(0), glm::vec3(std::pow(0.9999f, float(i)))});
-  expectWhole(buildBvh(boxes, boxes.size()), boxes, boxes.size());
+  expectWhole(buildBvh(boxes, {boxes.size()}), boxes, {boxes.size()});
   std::vector<Box> powers;
   for (int k = -40; k <= 40; ++k) {
     const float x = std::ldexp(1.0f, k), r = x / 4;
     powers.push_back({glm::vec3(x - r, -r, -r), glm::vec3(x + r, r, r)});
   }
-  expectWhole(buildBvh(powers, 0), powers, 0);
+  expectWhole(buildBvh(powers, {0}), powers, {0});
 }
 
 TEST(Bvh, ATightDepthLimitIsKept) {
   const std::vector<Box> boxes = randomBoxes(4000, 7);
   BvhLimits limits;
   limits.maxDepth = 14;
-  expectWhole(buildBvh(boxes, 1000, limits), boxes, 1000, limits);
+  expectWhole(buildBvh(boxes, {1000}, limits), boxes, {1000}, limits);
 }
 
 TEST(Bvh, IsTheSameTwice) {
   const std::vector<Box> boxes = randomBoxes(20'000, 3);
-  EXPECT_EQ(buildBvh(boxes, 5000).order, buildBvh(boxes, 5000).order);
+  EXPECT_EQ(buildBvh(boxes, {5000}).order, buildBvh(boxes, {5000}).order);
 }
 
 }  // namespace

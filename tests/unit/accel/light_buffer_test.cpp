@@ -45,7 +45,7 @@ struct Listed {
     for (Triangle& triangle : scene.triangles)
       for (dvec3& vertex : triangle.vertices) vertex = toFloat(vertex);
     prepared = prepareGeometry(std::move(scene));
-    bvh = buildBvh(prepared.boxes, prepared.firstPair());
+    bvh = buildBvh(prepared.boxes, prepared.typeStarts());
     for (uint i = 0; i < bvh.order.size(); ++i)
       references.push_back((bvh.order[i] >= prepared.firstPair() ? gpu::kRefTriangle : 0) | i);
   }

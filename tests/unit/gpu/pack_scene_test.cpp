@@ -115,7 +115,7 @@ PackedScene pack(const Scene& scene) {
 TEST(Pack, RefusesATreeDeeperThanTheStack) {
   const Scene scene = mixedScene();
   const PreparedGeometry prepared = prepareGeometry(roundScene(scene));
-  Bvh bvh = buildBvh(prepared.boxes, prepared.firstPair());
+  Bvh bvh = buildBvh(prepared.boxes, prepared.typeStarts());
   bvh.depth = int(gpu::kMaxTreeDepth) + 1;
   EXPECT_THROW(packScene(prepared, bvh, test::settingsOf(scene, 64, 64)), RunError);
 }

@@ -129,7 +129,7 @@ TEST(Render, DoesNotDependOnTheTree) {
     const RenderSettings settings = settingsOf(scene, 80, 60);
     const Image expected = renderShader(scene, settings);
     const PreparedGeometry prepared = prepareGeometry(roundScene(scene));
-    test::renderer().upload(packScene(prepared, buildMedianBvh(prepared.boxes, prepared.firstPair()), settings));
+    test::renderer().upload(packScene(prepared, buildMedianBvh(prepared.boxes, prepared.typeStarts()), settings));
     EXPECT_TRUE(sameBits(test::renderer().render(test::kernel(), settings).image, expected)) << name;
   }
 }

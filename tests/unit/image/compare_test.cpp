@@ -267,7 +267,7 @@ TEST(Within, OnlyTheBoundsThatAreSetCount) {
 }
 
 TEST(Within, ANanOrAnInfinityBreaksEveryBound) {
-  for (const Bounds& bounds : {Bounds{.rmse = 100}, Bounds{.max = 100}, Bounds{.badPixels = 1}}) {
+  for (const ErrorBounds& bounds : {ErrorBounds{.rmse = 100}, ErrorBounds{.max = 100}, ErrorBounds{.badPixels = 1}}) {
     Comparison nan, inf;
     nan.nan = 1;
     inf.inf = 1;

@@ -1,5 +1,5 @@
 // Intervals for boxes; for pairs of triangles the lines through their outer edges.
-#include "accel/cube_face.h"
+#include "primitives/cube_face.h"
 
 #include <algorithm>
 #include <cmath>

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 
-#include "accel/bvh.h"
+#include "base/bounds.h"
 
 namespace turner {
 
