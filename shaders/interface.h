@@ -45,6 +45,10 @@ TURNER_FEATURE(NestedDielectrics, 19, bool, NESTED_DIELECTRICS, true, dielectric
 // The prime factors of n in ascending order, a byte each from the lowest on, in two words, as sobol needs them; else 0.
 TURNER_CONSTANT(RadicesLow, 20, uint, RADICES_LOW, 0u)
 TURNER_CONSTANT(RadicesHigh, 21, uint, RADICES_HIGH, 0u)
+TURNER_FEATURE(Cones, 22, bool, CONES, true, cones)
+TURNER_FEATURE(SlopedCones, 23, bool, SLOPED_CONES, true, slopedCones)       // a cone that is no cylinder
+TURNER_FEATURE(SteepCones, 24, bool, STEEP_CONES, true, steepCones)          // one that is flatter than 45 degrees
+TURNER_FEATURE(FarCones, 25, bool, FAR_CONES, true, farCones)                // a cone many radii away from the eye
 
 // --- bindings of descriptor set 0 ---
 TURNER_BLOCK(Frame, 0, readonly, Frame, frameInMemory, , "the frame")

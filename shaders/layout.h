@@ -32,24 +32,26 @@ using Word4 = uvec4;
 
 // --- references -----------------------------------------------------------------------------------------------------
 // Traversal reference: the index of an inner node, or a leaf of 1 to kMaxLeafSize consecutive primitives of one type. A
-// primitive is a sphere or a pair of triangles.
-//   bit 31: leaf | bit 30: triangle pairs, else spheres | bits 29..28: primitives, less 1 | bit 27: the first triangle
-//   of the first pair was tested already (resumed traversal) | bits 26..0: offset of the first
+// primitive is a sphere, a cone or a pair of triangles.
+//   bit 31: leaf | bit 30: triangle pairs | bits 29..28: primitives, less 1 | bit 27: of triangle pairs: the first
+//   triangle of the first pair was tested already (resumed traversal); else: cones, not spheres | bits 26..0: offset of
+//   the first
 // Offsets count units of kUnitWords words.
 TURNER_CONST kRefLeaf = 0x80000000u;
 TURNER_CONST kRefTriangle = 0x40000000u;
 TURNER_CONST kRefCountShift = 28u;
 TURNER_CONST kRefCountMask = 3u;
 TURNER_CONST kRefSecond = 0x08000000u;
+TURNER_CONST kRefCone = 0x08000000u;
 TURNER_CONST kRefOffsetMask = 0x07ffffffu;
 TURNER_CONST kRefNone = 0xffffffffu;  // nothing is left to visit
 TURNER_CONST kRefNext = 0xfffffffeu;  // sentinel: pop the stack; if it is empty, take the next entry of the cell list
 TURNER_CONST kMaxLeafSize = 4u;
 TURNER_CONST kUnitWords = 2u;
-TURNER_CONST kSphereUnits = 1u, kPairUnits = 3u;
+TURNER_CONST kSphereUnits = 1u, kConeUnits = 2u, kPairUnits = 3u;
 TURNER_CONST kMaxUnits = 0x07fffff0u;  // so that no leaf reads as kRefNone or kRefNext
 // One sphere or triangle uses bits 30 and 27..0 likewise. Of a ray's origin primitive bit 29 says that the ray starts
-// toward the inside of a sphere.
+// toward the inside of a sphere or cone.
 TURNER_CONST kRefPrimitive = kRefTriangle | kRefSecond | kRefOffsetMask;
 TURNER_CONST kStartsInward = 0x20000000u;
 
@@ -146,7 +148,8 @@ TURNER_CONST kStateRays = 7u;        // counted: eye, reflected, refracted, shad
 TURNER_CONST kStateNodes = 8u;       // nodes visited by each kind of ray
 TURNER_CONST kStatePrimitives = 9u;  // primitives tested by each kind of ray
 TURNER_CONST kStateNodeStack = 10u;  // kMaxTreeDepth references, four in a word
-TURNER_CONST kStateRayStack = 26u;   // of each level from 2 on: two words, three where there are nested dielectrics
+TURNER_CONST kStateFirstCone = 26u;  // of the cell list, where there are cones
+TURNER_CONST kStateRayStack = 27u;   // of each level from 2 on: two words, three where there are nested dielectrics
 TURNER_CONST kMaxHiddenInterfaces = 65536u;  // that a ray may pass before its next hit
 
 #ifdef __cplusplus

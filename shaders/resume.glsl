@@ -105,6 +105,7 @@ void resumeWork() {
   if (NESTED_DIELECTRICS) {
     TURNER_STATE_OF_MEDIA(TURNER_LOAD)
   }
+  if (CONES) traversal.list.firstCone = state[stateAt(kStateFirstCone)].x;
   rayKind = packedLevel & 255u;
   level = (packedLevel >> 8u) & 255u;
   traversal.top = packedLevel >> 16u;
@@ -131,6 +132,7 @@ void suspendWork() {
   if (NESTED_DIELECTRICS) {
     TURNER_STATE_OF_MEDIA(TURNER_SAVE)
   }
+  if (CONES) state[stateAt(kStateFirstCone)] = Word4(traversal.list.firstCone, 0u, 0u, 0u);
   if (NEAREST_NODES || SHADOW_NODES) saveNodeStack();
   atomicAdd(status.unfinished, 1u);
   atomicAdd(status.samplesWaiting, SAMPLES * SAMPLES - sampleIndex);

@@ -23,7 +23,7 @@ Word4 packWord(const vec3 v, const uint w) {
 struct Node {
   vec3 origin;
   // Those of x, y, z in bytes 0 to 2; byte 3: bit 0 and 1: child 0, child 1 is a leaf (never child 1 alone); of a
-  // second leaf, which stands behind the first: bits 3..2: primitives, less 1, bit 4: triangle pairs.
+  // second leaf, which stands behind the first: bits 3..2: primitives, less 1, bit 4: triangle pairs, bit 5: cones.
   uint exponents;
   uvec3 planes;    // lo 0, hi 0, lo 1, hi 1: bytes of an integer for each axis
   uint reference;  // the one child reference that cannot be derived from the others
@@ -63,6 +63,36 @@ Sphere sphereAt(const uint offset) {
 NearSphere nearSphereAt(const uint word) {
   Word4 a = WORD4(materials, word);
   return NearSphere(xyz(a), uintBitsToFloat(a.w));
+}
+#endif
+
+// An open truncated cone. Its anchor is the end of the lesser radius. In long double by the host, then rounded once:
+// base = radius there times the cosine of alpha, slope = sin(alpha), where alpha is half the angle at the tip. So what is
+// nearly a disc is as well scaled as a cylinder.
+struct Cone {
+  vec3 anchor;
+  float base;
+  vec3 axis;   // unit
+  float span;  // length along the axis
+  uint rank;
+  uint material;  // with kFarCone, kConeInward
+  float reach;    // from the anchor to the farthest point, rounded up
+  float slope;
+  vec3 axisRest;  // what the axis loses to float
+  float squaredCosine;
+};
+TURNER_CONST kFarCone = 0x40000000u;     // many radii away from the eye: it takes the extra digits
+TURNER_CONST kConeInward = 0x80000000u;  // the surface faces the axis
+#ifndef __cplusplus
+// The last word is read where a cone of the scene needs it.
+Cone coneAt(const uint offset) {
+  uint word = kUnitWords * offset;
+  Word4 a = WORD4(primitives, word), b = WORD4(primitives, word + 1u), c = WORD4(primitives, word + 2u);
+  Word4 rest = c;
+  if (SLOPED_CONES || FAR_CONES) rest = WORD4(primitives, word + 3u);
+  return Cone(xyz(a), uintBitsToFloat(a.w), xyz(b), uintBitsToFloat(b.w), c.x, c.y, uintBitsToFloat(c.z),
+              SLOPED_CONES ? uintBitsToFloat(c.w) : 0.0, FAR_CONES ? xyz(rest) : vec3(0),
+              SLOPED_CONES ? uintBitsToFloat(rest.w) : 1.0);
 }
 #endif
 
@@ -192,11 +222,11 @@ struct CoarseCell {
 };
 
 // The cell list of a fine cell: entries, counted in halves of a word. They are sorted by distance; where lists hold no
-// nodes, spheres come before triangle pairs.
+// nodes, spheres come before cones, and those before triangle pairs.
 struct FineCell {
   uint first, end;
   uint firstPair;
-  uint padding;
+  uint firstCone;
 };
 
 struct ListEntry {
@@ -216,7 +246,7 @@ CoarseCell coarseCellAt(const uint word) {
 
 FineCell fineCellAt(const uint word) {
   Word4 a = WORD4(lightBuffers, word);
-  return FineCell(a.x, a.y, a.z, 0u);
+  return FineCell(a.x, a.y, a.z, a.w);
 }
 
 ListEntry listEntryAt(const uint index) {
@@ -230,6 +260,7 @@ ListEntry listEntryAt(const uint index) {
 static_assert(sizeof(Node) == kNodeWords * sizeof(Word4));
 static_assert(sizeof(Sphere) == kSphereUnits * kUnitWords * sizeof(Word4));
 static_assert(sizeof(NearSphere) == sizeof(Word4));
+static_assert(sizeof(Cone) == kConeUnits * kUnitWords * sizeof(Word4));
 static_assert(sizeof(TrianglePair) == kPairUnits * kUnitWords * sizeof(Word4));
 static_assert(sizeof(TrianglePair) == kPairVertexWords * sizeof(Word4) + 2 * sizeof(Plane));
 static_assert(sizeof(VertexNormals) == kVertexNormalsWords * sizeof(Word4));

@@ -46,8 +46,6 @@ TraversalState startCoincident(const TraversalState first) {
   return second;
 }
 
-uint unitsOf(const bool isPair) { return isPair ? kPairUnits : kSphereUnits; }
-
 bool isFinished(const TraversalState traversal) { return traversal.next == kRefNone; }
 
 // The traversal's next reference from its stack, if there is one.
@@ -93,8 +91,9 @@ void visitNode(const Ray ray, const RayFactors factors, inout TraversalState tra
   // The references of both children, see Node in scene.h.
   uint below = traversal.next + 1u, tags = node.exponents >> 24u;
   uint firstCount = ((node.reference >> kRefCountShift) & kRefCountMask) + 1u;
-  uint secondOffset = (node.reference & kRefOffsetMask) + firstCount * unitsOf(isOfTriangles(node.reference));
+  uint secondOffset = (node.reference & kRefOffsetMask) + firstCount * unitsOf(typeOf(node.reference));
   uint secondLeaf = kRefLeaf | ((tags << 26u) & 0x70000000u) | secondOffset;
+  if (CONES) secondLeaf |= (tags << 22u) & kRefCone;
   uint child0 = (tags & 1u) != 0u ? node.reference : below;
   uint child1 = (tags & 1u) == 0u ? node.reference : (tags & 2u) == 0u ? below : secondLeaf;
 
@@ -108,78 +107,11 @@ void visitNode(const Ray ray, const RayFactors factors, inout TraversalState tra
   if (neither) traversal.next = kRefNext;
 }
 
-// Intersection of a ray with a sphere or a pair of triangles.
-struct Intersection {
-  float t;            // kNoHit: nothing
-  uint primitive;     // the sphere, or that triangle of the pair
-  uint rank;          // its tie-break rank
-  bool both;          // the ray passes both triangles, and this is the first: the second is still to be tested
-  uint tested;        // spheres or triangles that this took, for the counters
-  uint interfaceId;   // of a medium: that interface, or 0
-  float coincidence;  // how far from t another interface still coincides
-};
-
-// Two interfaces coincide if they are no farther apart than 48 roundings of their distance from the eye: that is more
-// than how far rays start from a surface, with much room for the errors of both distances, so that these rarely decide.
-float coincidenceDistance(const vec3 point, const float errorBound, const float cosine) {
-  return max(48.0 * kRounding * length(point), 4.0 * errorBound) / max(abs(cosine), 1.0 / 1024.0);
-}
-
-Intersection intersectSphere(const Ray ray, const RayFactors factors, const uint primitive) {
-  Sphere packed = sphereAt(primitive);
-  bool startsOnIt = (ray.originPrimitive & ~kStartsInward) == primitive;
-  SphereData sphere = sphereOf(packed);
-  float t = hitSphere(ray, factors, sphere, startsOnIt);
-  Intersection found = Intersection(t, primitive, packed.rank, false, 1u, 0u, 0.0);
-  if (NESTED_DIELECTRICS && found.t < kNoHit) {
-    bool outside = !startsOnIt && isOutside(sphere, ray.origin);
-    found.interfaceId = interfaceOf(packed.material & ~kNearEye, outside != (sphere.radius < 0.0));
-    vec3 point = ray.origin + found.t * ray.direction;
-    float cosine = dot(normalize(point - sphere.center), ray.direction);
-    found.coincidence = coincidenceDistance(point, sphereErrorBound(sphere, point), cosine);
-  }
-  return found;
-}
-
-// `pair` has kRefSecond where the first triangle was tested already.
-Intersection intersectTrianglePair(const Ray ray, const RayFactors factors, const uint pair) {
-  uint offset = pair & kRefOffsetMask;
-  TrianglePair packed = trianglePairAt(offset);
-  vec3 a = sheared(ray, factors, packed.v0), b = sheared(ray, factors, packed.v1), c = sheared(ray, factors, packed.v2),
-       d = sheared(ray, factors, packed.v3);
-  float across = edgeArea(b, c);  // of the edge that both share
-  uint first = pair & ~kRefSecond, second = pair | kRefSecond, originPrimitive = ray.originPrimitive & ~kStartsInward;
-  bool inFirst = isInside(across, edgeArea(c, a), edgeArea(a, b)) && originPrimitive != first && pair == first;
-  bool inSecond = isInside(-across, edgeArea(b, d), edgeArea(d, c)) && originPrimitive != second;
-
-  // One plane at a time: that both are met is rare. Where none is, no other memory is touched.
-  bool isSecond = inSecond && !inFirst;
-  Plane plane = planeAt(offset, uint(isSecond), inFirst || inSecond);
-  float apex = isSecond ? d.z : a.z;
-  float tNear = lesser(lesser(b.z, c.z), apex), tFar = greater(greater(b.z, c.z), apex);
-  vec3 nearest = tNear == b.z ? packed.v1 : tNear == c.z ? packed.v2 : isSecond ? packed.v3 : packed.v0;
-  float t = planeDistance(ray, plane.normal, plane.offset, nearest, tNear, tFar);
-  if (!(inFirst || inSecond) || !(t > 0.0)) t = kNoHit;
-  uint tested = pair != first ? 0u : packed.rank1 != kRefNone ? 2u : 1u;
-  uint interfaceId = 0u;
-  float coincidence = 0.0;
-  if (NESTED_DIELECTRICS && t < kNoHit) {
-    float cosine = dot(plane.normal, ray.direction);
-    interfaceId = interfaceOf(packed.material, cosine < 0.0);
-    vec3 point = ray.origin + t * ray.direction;
-    coincidence = coincidenceDistance(point, planeErrorBound(plane.normal, plane.offset, point), cosine);
-  }
-  return Intersection(t, isSecond ? second : first, isSecond ? packed.rank1 : packed.rank0, inFirst && inSecond, tested,
-                      interfaceId, coincidence);
-}
-
 // Tests a primitive; true if it takes the traversal's hit. Among equal distances the lowest rank wins, so that the picture
 // does not depend on the tree.
-bool intersectPrimitive(const Ray ray, const RayFactors factors, const uint primitive, const bool isPair,
+bool intersectPrimitive(const Ray ray, const RayFactors factors, const uint primitive, const uint type,
                         const bool anyHit, const uint kind, inout TraversalState traversal, out bool both) {
-  Intersection found = Intersection(kNoHit, kRefNone, 0u, false, 0u, 0u, 0.0);
-  if (SPHERES && !isPair) found = intersectSphere(ray, factors, primitive);
-  if (TRIANGLES && isPair) found = intersectTrianglePair(ray, factors, primitive);
+  Intersection found = intersect(ray, factors, primitive, type);
   bool taken = found.t < traversal.tMax;
   if (!anyHit) taken = taken || (found.t == traversal.tMax && traversal.hit != kRefNone && found.rank < traversal.rank);
   bool gathers = NESTED_DIELECTRICS && !anyHit && traversal.coincidence > 0.0;
@@ -203,15 +135,16 @@ bool intersectPrimitive(const Ray ray, const RayFactors factors, const uint prim
 }
 
 // On to the leaf's next primitive, or to whatever follows the leaf.
-void nextPrimitive(const bool isPair, const bool both, inout TraversalState traversal) {
+void nextPrimitive(const uint type, const bool both, inout TraversalState traversal) {
   bool last = ((traversal.next >> kRefCountShift) & kRefCountMask) == 0u;
-  uint following = last ? kRefNext : (traversal.next & ~kRefSecond) + unitsOf(isPair) - (1u << kRefCountShift);
+  uint whole = CONES && type == kCones ? traversal.next : traversal.next & ~kRefSecond;
+  uint following = last ? kRefNext : whole + unitsOf(type) - (1u << kRefCountShift);
   traversal.next = both ? traversal.next | kRefSecond : following;
 }
 
 // Iterations that lavapipe 22.3 counts for loops no lane enters: it runs the body of every loop at least once. Callers of
 // traverse subtract them from the budget, those too whose other lanes call it.
-int idleTurns(const bool visitsNodes) { return visitsNodes ? 3 : int(SPHERES) + int(TRIANGLES); }
+int idleTurns(const bool visitsNodes) { return visitsNodes ? 3 : int(SPHERES) + int(CONES) + int(TRIANGLES); }
 
 // Goes through the tree. Leaves and nodes have loops of their own: lavapipe 22.3 executes both sides of every branch,
 // but leaves a loop when no lane is in it. It looks for that at the loop's end; a condition at the loop's head would cost it
@@ -233,45 +166,49 @@ void traverseTree(const Ray ray, const RayFactors factors, const bool anyHit, co
     if ((traversal.next & kRefLeaf) != 0u && traversal.next < kRefNext && budget > 0) {
       do {
         --budget;
-        bool both, arePairs = isOfTriangles(traversal.next);
-        bool taken = intersectPrimitive(ray, factors, traversal.next & kRefPrimitive, arePairs, anyHit, kind, traversal,
+        bool both;
+        uint type = typeOf(traversal.next);
+        bool taken = intersectPrimitive(ray, factors, traversal.next & kRefPrimitive, type, anyHit, kind, traversal,
                                         both);
-        nextPrimitive(arePairs, both, traversal);
+        nextPrimitive(type, both, traversal);
         if (anyHit && taken) traversal.next = kRefNone;
       } while (traversal.next < kRefNext && budget > 0);
     }
   } while (traversal.next != kRefNone && budget > 0);
 }
 
-// Goes through the spheres or the pairs of a list, from its next entry to `end`. Of the last pair the second triangle
+// Goes through the primitives of one type in a list, from its next entry to `end`. Of the last pair the second triangle
 // may be left: traversal.next names it.
-void traversePrimitives(const Ray ray, const RayFactors factors, const bool arePairs, const uint end, const bool anyHit,
+void traversePrimitives(const Ray ray, const RayFactors factors, const uint type, const uint end, const bool anyHit,
                         const uint kind, const float reach, inout TraversalState traversal, inout int budget) {
   if (traversal.next == kRefNone || (traversal.next == kRefNext && traversal.list.first >= end) || budget <= 0) return;
   do {
     --budget;
     ListEntry entry = listEntryAt(traversal.list.first);
-    bool again = arePairs && traversal.next != kRefNext;
+    bool again = type == kPairs && traversal.next != kRefNext;
     bool within = again || entry.distance <= traversal.tMax * reach;
     uint primitive = again ? traversal.next : entry.reference & kRefPrimitive;
     if (!again) traversal.list.first = within ? traversal.list.first + 1u : end;
     traversal.next = kRefNext;
     if (within) {
       bool both;
-      bool taken = intersectPrimitive(ray, factors, primitive, arePairs, anyHit, kind, traversal, both);
-      if (arePairs && both) traversal.next = primitive | kRefSecond;
+      bool taken = intersectPrimitive(ray, factors, primitive, type, anyHit, kind, traversal, both);
+      if (type == kPairs && both) traversal.next = primitive | kRefSecond;
       if (anyHit && taken) traversal.next = kRefNone;
     }
   } while (traversal.next != kRefNone && (traversal.next != kRefNext || traversal.list.first < end) && budget > 0);
 }
 
-// Goes along a list that holds no nodes, its spheres before its pairs.
+// Goes along a list that holds no nodes: its spheres, its cones, its pairs.
 void traverseCellList(const Ray ray, const RayFactors factors, const bool anyHit, const uint kind, const float reach,
                       inout TraversalState traversal, inout int budget) {
-  if (SPHERES && traversal.list.first < traversal.list.firstPair)
-    traversePrimitives(ray, factors, false, traversal.list.firstPair, anyHit, kind, reach, traversal, budget);
+  uint firstCone = CONES ? traversal.list.firstCone : traversal.list.firstPair;
+  if (SPHERES && traversal.list.first < firstCone)
+    traversePrimitives(ray, factors, kSpheres, firstCone, anyHit, kind, reach, traversal, budget);
+  if (CONES && traversal.list.first >= firstCone && traversal.list.first < traversal.list.firstPair)
+    traversePrimitives(ray, factors, kCones, traversal.list.firstPair, anyHit, kind, reach, traversal, budget);
   if (TRIANGLES && traversal.list.first >= traversal.list.firstPair)
-    traversePrimitives(ray, factors, true, traversal.list.end, anyHit, kind, reach, traversal, budget);
+    traversePrimitives(ray, factors, kPairs, traversal.list.end, anyHit, kind, reach, traversal, budget);
   if (traversal.list.first >= traversal.list.end && traversal.next == kRefNext) traversal.next = kRefNone;
 }
 

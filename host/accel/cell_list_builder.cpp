@@ -88,7 +88,7 @@ class CellListBuilder {
       candidate.edges = uint32_t(edges_.size());
       edges_.emplace_back();
       tree_.prepared.visitElement(tree_.bvh.order[index],
-                                  [&](const auto& element) { projectEdges(element, box, edges_.back()); });
+                                  [&](const auto& element) { narrow(element, box, candidate, edges_.back()); });
       if (!overlaps(candidate, rect)) {
         edges_.pop_back();
         return;
@@ -107,10 +107,14 @@ class CellListBuilder {
       add(tree_.prepared.boxes[tree_.bvh.order[i]], i, true, rect);
   }
 
-  // Of a sphere the rectangle is all there is.
-  void projectEdges(const Sphere&, const Box&, OuterEdges&) const {}
+  // From a primitive's box to its own picture. Of a sphere the rectangle is all there is.
+  void narrow(const Sphere&, const Box&, Projection&, OuterEdges&) const {}
 
-  void projectEdges(const TrianglePair& pair, const Box& box, OuterEdges& edges) const {
+  void narrow(const Cone& cone, const Box& box, Projection& projection, OuterEdges& edges) const {
+    projectCone(cone, face_, box, projection, edges);
+  }
+
+  void narrow(const TrianglePair& pair, const Box& box, Projection&, OuterEdges& edges) const {
     const std::vector<Triangle>& triangles = tree_.prepared.scene.triangles;
     const auto& [a, b, c] = triangles[pair.first].vertices;
     face_.projectEdges({a, b, c, pair.isAlone() ? b : triangles[pair.second].vertices[0]}, box, edges);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <functional>
 #include <iterator>
 
 #include "accel/cell_list_builder.h"
@@ -207,7 +208,7 @@ struct LightBufferLayout {
     }
   }
 
-  // Frees the blocks one by one. Lists of points whose rays visit no nodes hold spheres before triangles.
+  // Frees the blocks one by one. Lists of points whose rays visit no nodes are sorted by type.
   std::vector<Word4> write(std::span<PlannedFace> faces, const std::vector<bool>& visitsNodes) const;
 };
 
@@ -239,10 +240,15 @@ std::vector<Word4> LightBufferLayout::write(std::span<PlannedFace> faces, const 
         for (size_t end = list + (size_t(1) << (2 * block.levels[cell])); list < end; ++list) {
           const CellList& l = block.lists[list];
           const auto begin = block.entries.begin();
-          const auto isSphere = [](const CellListEntry& e) { return (e.reference & gpu::kRefTriangle) == 0; };
-          const auto triangles =
-              visitsNodes[f / 6] ? begin + l.first : std::stable_partition(begin + l.first, begin + l.end, isSphere);
-          rows[nextList++] = Word4{first + l.first, first + l.end, first + uint(triangles - begin)};
+          auto cones = begin + l.first, pairs = cones;
+          if (!visitsNodes[f / 6]) {
+            const auto isPair = [](const CellListEntry& e) { return (e.reference & gpu::kRefTriangle) != 0; };
+            const auto isCone = [](const CellListEntry& e) { return (e.reference & gpu::kRefCone) != 0; };
+            pairs = std::stable_partition(begin + l.first, begin + l.end, std::not_fn(isPair));
+            cones = std::stable_partition(begin + l.first, pairs, std::not_fn(isCone));
+          }
+          rows[nextList++] = std::bit_cast<Word4>(
+              gpu::FineCell{first + l.first, first + l.end, first + uint(pairs - begin), first + uint(cones - begin)});
         }
       }
       all.insert(all.end(), block.entries.begin(), block.entries.end());
@@ -282,7 +288,7 @@ LightBuffers wholeTreeLightBuffers(std::span<const LightBufferPoint> points, con
   std::vector<uint> all;
   if (isNode) all = {bvh.root.first};
   for (uint32_t i = 0; i < bvh.root.count; ++i) all.push_back(gpu::kRefLeaf | tree.references[bvh.root.first + i]);
-  lightBuffers.rows.push_back(Word4{list, list + uint(all.size()), list});
+  lightBuffers.rows.push_back(std::bit_cast<Word4>(gpu::FineCell{list, list + uint(all.size()), list, list}));
   for (size_t i = 0; i < all.size(); i += 2)
     lightBuffers.rows.push_back(Word4{all[i], 0, i + 1 < all.size() ? all[i + 1] : gpu::kRefNone, 0});
   lightBuffers.rows.push_back({});  // the kernel may look at the entry behind the last one

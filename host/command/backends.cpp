@@ -22,8 +22,7 @@ Scene loadAndPrint(const RenderOptions& options) {
   const std::string path = findScene(options.scene);
   Scene scene = loadScene(path);
   if (!options.quiet) {
-    fmt::print("scene: {} ({} spheres, {} triangles, {} lights)\n", path, scene.spheres.size(), scene.triangles.size(),
-               scene.lights.size());
+    fmt::print("scene: {} ({}, {} lights)\n", path, toText(scene.primitiveCounts()), scene.lights.size());
     for (const std::string& note : scene.notes) fmt::print("note: {}\n", note);
   }
   return scene;

@@ -48,7 +48,7 @@ int runRender(const RenderOptions& options) {
   throwIfInterrupted();
 
   const Scene summary = withoutGeometry(scene);
-  const size_t spheres = scene.spheres.size(), triangles = scene.triangles.size();
+  const PrimitiveCounts primitives = scene.primitiveCounts();
   Rendered rendered = options.backend == Backend::shader
                           ? renderWithShader(std::move(scene), settings, options, !options.stats.empty())
                           : renderWithReference(scene, settings, options);
@@ -65,8 +65,7 @@ int runRender(const RenderOptions& options) {
 
   stats.scene = options.scene;
   stats.settings = settings;
-  stats.spheres = spheres;
-  stats.triangles = triangles;
+  stats.primitives = primitives;
   stats.seconds.load = loadSeconds;
   stats.seconds.total = total.lap();
   if (!options.stats.empty()) writeWholeFile(options.stats, statsJson(stats));

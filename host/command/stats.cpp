@@ -31,8 +31,7 @@ std::string statsJson(const Stats& stats) {
       json.put("crop", cropText(settings.crop));
     });
     json.object("primitives", [&] {
-      json.put("spheres", stats.spheres);
-      json.put("triangles", stats.triangles);
+      for (const PrimitiveCount& type : stats.primitives) json.put(type.name.c_str(), type.count);
     });
     putCounts(json, "rays", stats.rays);
     putCounts(json, "nodes_visited", stats.visits.nodes);
@@ -49,7 +48,8 @@ std::string statsJson(const Stats& stats) {
     json.put("mrays_per_second",
              stats.seconds.trace > 0 ? double(stats.rays.total()) / stats.seconds.trace * 1e-6 : 0.0);
     json.object("tree", [&] {
-      const size_t primitives = stats.spheres + stats.triangles;
+      uint64_t primitives = 0;
+      for (const PrimitiveCount& type : stats.primitives) primitives += type.count;
       json.put("nodes", stats.treeNodes);
       json.put("depth", stats.treeDepth);
       json.put("bytes_per_primitive", primitives > 0 ? double(stats.geometryBytes) / double(primitives) : 0.0);

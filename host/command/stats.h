@@ -24,7 +24,7 @@ struct Stats {
   DeviceInfo device;
   RenderSettings settings;
   std::string backend, geometry, access;
-  size_t spheres = 0, triangles = 0;
+  PrimitiveCounts primitives;
   RayCounts rays;
   Visits visits;  // of the shader: what its rays met
   Seconds seconds;

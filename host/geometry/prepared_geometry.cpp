@@ -129,8 +129,9 @@ glm::vec3 roundedUp(const glm::dvec3& v) {
   return -roundedDown(-v);
 }
 
-Bounds boundsOf(const Scene&, const Sphere& sphere) {
-  return boundsOf(sphere);
+template <class Primitive>
+Bounds boundsOf(const Scene&, const Primitive& primitive) {
+  return boundsOf(primitive);
 }
 Bounds boundsOf(const Scene& scene, const TrianglePair& pair) {
   const Bounds first = boundsOf(scene.triangles[pair.first]);

@@ -54,8 +54,12 @@ gpu::Node packNode(const Bvh::Node& node, std::span<const uint> references) {
     tags = 1;
   }
   if (second.count > 0) {
-    const bool hasTriangles = references[second.first] & gpu::kRefTriangle;
-    tags = 3 | (second.count - 1) << 2 | (hasTriangles ? 1u << 4 : 0u);
+    const uint type = references[second.first];
+    tags = 3 | (second.count - 1) << 2;
+    if (type & gpu::kRefTriangle)
+      tags |= 1u << 4;
+    else if (type & gpu::kRefCone)
+      tags |= 1u << 5;
   }
   return {.origin = toVec3(lo),
           .exponents = exponents | tags << 24,

@@ -31,6 +31,12 @@ Features featuresOf(const Scene& scene) {
     features.nearSpheres |= isNearEye(sphere);
     features.farSpheres |= isFarFromEye(sphere);
   }
+  features.cones = !scene.cones.empty();
+  for (const Cone& cone : scene.cones) {
+    features.slopedCones |= slopeOf(cone) != 0;
+    features.steepCones |= slopeOf(cone) > 0.7071;
+    features.farCones |= isFarFromEye(cone);
+  }
   for (const Triangle& triangle : scene.triangles) features.smoothNormals |= triangle.normals != kNoNormals;
   for (const Light& light : scene.lights) features.falloff |= light.falloff != Falloff::none;
 
@@ -69,6 +75,9 @@ struct Footprint {
 Footprint footprintOf(const Scene&, const Sphere&) {
   return {0, gpu::kSphereUnits};
 }
+Footprint footprintOf(const Scene&, const Cone&) {
+  return {gpu::kRefCone, gpu::kConeUnits};
+}
 Footprint footprintOf(const Scene& scene, const TrianglePair& pair) {
   const bool isSmooth = scene.triangles[pair.first].normals != kNoNormals;
   return {gpu::kRefTriangle, gpu::kPairUnits, isSmooth ? (pair.isAlone() ? 1u : 2u) : 0u};
@@ -85,7 +94,8 @@ void checkLimits(const PreparedGeometry& prepared, int treeDepth) {
   if (units > gpu::kMaxUnits)
     throw InputError(
         "the scene has more primitives than the kernel can number: " + std::to_string(prepared.scene.primitiveCount()) +
-        "; it takes " + std::to_string(gpu::kMaxUnits / gpu::kSphereUnits) + " spheres or " +
+        "; it takes " + std::to_string(gpu::kMaxUnits / gpu::kSphereUnits) + " spheres, " +
+        std::to_string(gpu::kMaxUnits / gpu::kConeUnits) + " cones or " +
         std::to_string(gpu::kMaxUnits / gpu::kPairUnits) + " triangles, twice as many where all are in pairs");
   if (treeDepth > int(gpu::kMaxTreeDepth))
     throw RunError("the tree is " + std::to_string(treeDepth) + " nodes deep, more than the kernel's stack holds");
@@ -160,6 +170,8 @@ class ElementPacker {
     const uint materials = gpu::kMaterialWords * uint(prepared_.scene.materials.size());
     put(i, packNearSphere(sphere, ranks_[id], materials + uint(near - nearSpheres_.begin())));
   }
+
+  void pack(size_t i, const Cone& cone) { put(i, packCone(cone, ranks_[bvh_.order[i]])); }
 
   void pack(size_t i, const TrianglePair& pair) {
     const std::vector<Triangle>& triangles = prepared_.scene.triangles;

@@ -1,4 +1,4 @@
-// A face of the cube of directions around a point: projections of boxes and triangle pairs onto it, conservative in
+// A face of the cube of directions around a point: projections of boxes and primitives onto it, conservative in
 // spite of rounding. Coordinates u and v are those of gpu::LightBufferFace.
 #pragma once
 
@@ -28,7 +28,7 @@ struct FaceRect {
   }
 };
 
-// Lines around the projection of a triangle pair: where x u + y v + z < 0 for one of them, the pair is not.
+// Lines around the projection of a primitive: where x u + y v + z < 0 for one of them, it is not.
 using OuterEdges = std::array<glm::vec3, 4>;
 
 // Of a pair: the first triangle has 0, 1, 2, the second 3, 1, 2. A single triangle repeats 1 as 3: one edge is a point.
@@ -44,6 +44,12 @@ class CubeFace {
  public:
   // `face`: in the order of gpu::LightBufferFace.
   CubeFace(const glm::dvec3& point, int face) : point_(point), axis_(face / 2), negative_(face % 2 == 1) {}
+
+  // A point as it is seen: along u, v and the face's axis, so that u and v are the quotients by the last.
+  glm::dvec3 seen(const glm::dvec3& p) const {
+    const glm::dvec3 d = negative_ ? point_ - p : p - point_;
+    return {d[(axis_ + 1) % 3], d[(axis_ + 2) % 3], d[axis_]};
+  }
 
   // False if the box lies behind the point; `out` is then unchanged.
   bool project(const Box& box, Projection& out) const;

@@ -18,6 +18,11 @@ Aggregate::Aggregate(const Scene& itsScene, ReferenceSearch search)
     const double radius = std::abs(sphere.radius);
     boxes.push_back({sphere.center - radius, sphere.center + radius});
   }
+  for (const Cone& cone : scene.cones) {
+    const double baseRadius = std::abs(cone.baseRadius), apexRadius = std::abs(cone.apexRadius);
+    boxes.push_back({cone.base - baseRadius, cone.base + baseRadius});
+    boxes.back().include(Box{cone.apex - apexRadius, cone.apex + apexRadius});
+  }
   faceNormals.reserve(scene.triangles.size());
   for (const Triangle& triangle : scene.triangles) {
     faceNormals.push_back(faceNormal(triangle));
@@ -33,11 +38,12 @@ Aggregate::Aggregate(const Scene& itsScene, ReferenceSearch search)
 
 const Material& Aggregate::materialOf(uint32_t primitive) const {
   return scene.materials[isSphere(primitive) ? scene.spheres[primitive].material
+                         : isCone(primitive) ? scene.cones[coneIndex(primitive)].material
                                              : scene.triangles[triangleIndex(primitive)].material];
 }
 
 uint32_t Aggregate::mediumOf(uint32_t primitive) const {
-  if (dielectrics.empty() || primitive == kNoPrimitive) return kNoMedium;
+  if (dielectrics.empty() || primitive == kNoPrimitive || isCone(primitive)) return kNoMedium;
   return isSphere(primitive) ? dielectrics.ofSpheres[primitive] : dielectrics.ofTriangles[triangleIndex(primitive)];
 }
 
@@ -53,6 +59,7 @@ void Aggregate::forCandidates(const Ray& ray, double limit, Visit&& visit) const
 double Aggregate::intersect(const Ray& ray, uint32_t primitive) const {
   const bool startsOnIt = primitive == ray.originPrimitive;
   if (isSphere(primitive)) return intersectSphere(ray, scene.spheres[primitive], startsOnIt);
+  if (isCone(primitive)) return intersectCone(ray, scene.cones[coneIndex(primitive)], startsOnIt);
   // A triangle is flat: a ray that starts on it never comes back to it.
   if (startsOnIt) return kFarAway;
   const size_t index = triangleIndex(primitive);
@@ -113,7 +120,9 @@ bool Aggregate::isOccluded(const Ray& ray, double end) const {
 // ---- The surface there ----
 
 Surface Aggregate::surfaceAt(const Ray& ray, const Hit& hit) const {
-  Surface surface = isSphere(hit.primitive) ? sphereSurface(ray, hit) : triangleSurface(ray, hit);
+  Surface surface = isSphere(hit.primitive) ? sphereSurface(ray, hit)
+                    : isCone(hit.primitive) ? coneSurface(ray, hit)
+                                            : triangleSurface(ray, hit);
   // A back hit flips both normals; Ns must look at V too.
   const dvec3 V = -ray.direction;
   surface.front = glm::dot(surface.Ng, V) > 0;
@@ -143,6 +152,33 @@ Surface Aggregate::sphereSurface(const Ray& ray, const Hit& hit) const {
   // type.
   surface.errorBound = 8 * (kRounding * largestSize(surface.point) +
                             kWideRounding * (largestSize(sphere.center) + std::abs(sphere.radius)));
+  return surface;
+}
+
+Surface Aggregate::coneSurface(const Ray& ray, const Hit& hit) const {
+  const Cone& cone = scene.cones[coneIndex(hit.primitive)];
+  const wide3 base(cone.base), way = wide3(cone.apex) - base;
+  const long double length = glm::length(way), baseRadius = std::abs(cone.baseRadius);
+  const long double growth = (std::abs((long double)(cone.apexRadius)) - baseRadius) / length;
+  const wide3 axis = way / length, x = wide3(ray.origin) + (long double)(hit.t) * wide3(ray.direction);
+  const long double height = glm::dot(x - base, axis);
+  const wide3 across = (x - base) - height * axis;
+  const long double distance = glm::length(across);
+  // At the tip itself the normal is any; this one faces the ray.
+  const wide3 sideways = distance > 0 ? across / distance : -wide3(ray.direction);
+  const wide3 outward = glm::normalize(sideways - growth * axis);
+  // Put the point back on the cone, along the normal.
+  const long double above = (distance - (baseRadius + growth * height)) / std::sqrt(1 + growth * growth);
+
+  Surface surface;
+  surface.point = dvec3(x - above * outward);
+  surface.Ng = surface.Ns = dvec3(cone.isInward() ? -outward : outward);
+  surface.material = &scene.materials[cone.material];
+  surface.primitive = hit.primitive;
+  // The point and both ends, as a ray's test of a neighbour sees them.
+  const double size = std::max({largestSize(surface.point), largestSize(cone.base), largestSize(cone.apex),
+                                std::abs(cone.baseRadius), std::abs(cone.apexRadius)});
+  surface.errorBound = 16 * kRounding * size;
   return surface;
 }
 

@@ -58,10 +58,12 @@ class Aggregate {
   const NestedDielectrics dielectrics;
 
  private:
-  // Primitives are numbered: spheres, then triangles.
+  // Primitives are numbered: spheres, then cones, then triangles.
   bool isSphere(uint32_t primitive) const { return primitive < scene.spheres.size(); }
-  size_t triangleIndex(uint32_t primitive) const { return primitive - scene.spheres.size(); }
-  size_t primitiveCount() const { return scene.spheres.size() + scene.triangles.size(); }
+  bool isCone(uint32_t primitive) const { return !isSphere(primitive) && coneIndex(primitive) < scene.cones.size(); }
+  size_t coneIndex(uint32_t primitive) const { return primitive - scene.spheres.size(); }
+  size_t triangleIndex(uint32_t primitive) const { return coneIndex(primitive) - scene.cones.size(); }
+  size_t primitiveCount() const { return scene.primitiveCount(); }
   const Material& materialOf(uint32_t primitive) const;
 
   double intersect(const Ray& ray, uint32_t primitive) const;
@@ -71,6 +73,7 @@ class Aggregate {
   void forCandidates(const Ray& ray, double limit, Visit&& visit) const;
 
   Surface sphereSurface(const Ray& ray, const Hit& hit) const;
+  Surface coneSurface(const Ray& ray, const Hit& hit) const;
   Surface triangleSurface(const Ray& ray, const Hit& hit) const;
 
   bool bruteForce;

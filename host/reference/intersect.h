@@ -1,4 +1,4 @@
-// Rays, and where they hit one sphere or triangle.
+// Rays, and where they hit one sphere, cone or triangle.
 // Comes in: a ray and a primitive of the scene. Goes out: the distance of the hit. Knows nothing of materials.
 #pragma once
 
@@ -28,6 +28,9 @@ inline long double wideRadius(const Sphere& sphere) {
 
 // The distance at which the ray hits the sphere, or kFarAway.
 double intersectSphere(const Ray& ray, const Sphere& sphere, bool startsOnIt);
+
+// The distance at which the ray hits the cone, or kFarAway.
+double intersectCone(const Ray& ray, const Cone& cone, bool startsOnIt);
 
 // Whether the point is within the sphere's radius.
 bool isInside(const dvec3& point, const Sphere& sphere);

@@ -310,8 +310,7 @@ SweptScene measure(const SceneToSweep& sweep, std::vector<std::unique_ptr<Render
   result.summary.depth = sweep.scene.depth;
   result.path = sweep.path;
   result.stem = sweep.stem;
-  result.spheres = sweep.scene.spheres.size();
-  result.triangles = sweep.scene.triangles.size();
+  result.primitives = sweep.scene.primitiveCounts();
   result.whole = sweep.whole;
   return result;
 }

@@ -73,8 +73,7 @@ class Page {
   void section(size_t number, const SweptScene& scene) {
     const RenderSettings& whole = scene.whole;
     add("<section class='scene'>\n<h2>{}</h2>\n", escaped(scene.path));
-    add("<p class='about'>{} spheres, {} triangles; {} x {} pixels", scene.spheres, scene.triangles, whole.width,
-        whole.height);
+    add("<p class='about'>{}; {} x {} pixels", toText(scene.primitives), whole.width, whole.height);
     if (!(whole.crop == Window{0, 0, whole.width, whole.height}))
       add(", of which x {} to {}, y {} to {} are rendered", whole.crop.x0, whole.crop.x1 - 1, whole.crop.y0,
           whole.crop.y1 - 1);

@@ -45,7 +45,7 @@ struct SweptScene {
   Scene summary;     // without its geometry
   std::string path;  // as the render command takes it
   std::string stem;  // of the file's name
-  size_t spheres = 0, triangles = 0;
+  PrimitiveCounts primitives;
   RenderSettings whole;
   std::vector<RendererInfo> renderers;  // the devices, then the reference
   std::vector<std::string> failures;    // of devices that could not render the scene, in words

@@ -82,8 +82,7 @@ void putScene(JsonWriter& json, const Machine& machine, const SweptScene& scene)
   json.object([&] {
     json.put("scene", scene.path);
     json.put("sha256", scene.summary.sources.empty() ? "" : scene.summary.sources[0].sha256);
-    json.put("spheres", scene.spheres);
-    json.put("triangles", scene.triangles);
+    for (const PrimitiveCount& type : scene.primitives) json.put(type.name.c_str(), type.count);
     json.put("width", scene.whole.width);
     json.put("height", scene.whole.height);
     json.put("crop", cropText(scene.whole.crop));

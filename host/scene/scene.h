@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "primitives/cone.h"
 #include "primitives/sphere.h"
 #include "primitives/triangle.h"
 
@@ -52,6 +53,26 @@ struct Material {
   }
 };
 
+// How many primitives of a type there are, under the name of its list.
+struct PrimitiveCount {
+  std::string name;
+  uint64_t count = 0;
+
+  template <class Bytes>
+  void fields(Bytes& b) {
+    b(name, count);
+  }
+};
+using PrimitiveCounts = std::vector<PrimitiveCount>;  // of all types
+
+// As "2 spheres, 0 cones, 1 triangles".
+inline std::string toText(const PrimitiveCounts& counts) {
+  std::string text;
+  for (const PrimitiveCount& type : counts)
+    text += (text.empty() ? "" : ", ") + std::to_string(type.count) + ' ' + type.name;
+  return text;
+}
+
 // A file that a scene was read from.
 struct SourceFile {
   std::string path;    // as written in the scene, or the scene's own name
@@ -68,9 +89,10 @@ struct Scene {
   Camera camera;
   std::vector<Light> lights;
   std::vector<Material> materials;
-  // Primitive ids: spheres, then triangles, then the faces of meshes (which stand behind the triangles here), each in
-  // file order. Among hits at equal distance the lowest id wins.
+  // Primitive ids: spheres, then cones, then triangles, then the faces of meshes (which stand behind the triangles
+  // here), each in file order. Among hits at equal distance the lowest id wins.
   std::vector<Sphere> spheres;
+  std::vector<Cone> cones;
   std::vector<Triangle> triangles;
   std::vector<std::array<glm::dvec3, 3>> normals;  // vertex normals, three for each smooth triangle, its own
   std::vector<std::string> notes;                  // what the user should be told: no lights, no objects, ...
@@ -79,11 +101,17 @@ struct Scene {
   template <class Self, class Visit>
   static void visitPrimitives(Self& scene, Visit&& visit) {
     visit("spheres", scene.spheres);
+    visit("cones", scene.cones);
     visit("triangles", scene.triangles);
+  }
+  PrimitiveCounts primitiveCounts() const {
+    PrimitiveCounts counts;
+    visitPrimitives(*this, [&](const char* type, const auto& list) { counts.push_back({type, list.size()}); });
+    return counts;
   }
   size_t primitiveCount() const {
     size_t count = 0;
-    visitPrimitives(*this, [&](const char*, const auto& primitives) { count += primitives.size(); });
+    visitPrimitives(*this, [&](const char*, const auto& list) { count += list.size(); });
     return count;
   }
 };

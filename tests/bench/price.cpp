@@ -50,7 +50,7 @@ bool always(const Features&) {
 }
 
 std::vector<Switch> allSwitches() {
-  const Replacement safeInverse{"safe inverse", "intersect.glsl", "factors.inverse = 1.0 / safe;",
+  const Replacement safeInverse{"safe inverse", "ray.glsl", "factors.inverse = 1.0 / safe;",
                                 "factors.inverse = 1.0 / direction;"};
   const Replacement start{"start of a ray", "shade.glsl",
                           "surface.point + step * direction + (surface.errorBound - step * cosine) * away;",
@@ -64,8 +64,8 @@ std::vector<Switch> allSwitches() {
   return {
       {.name = "watertight edge test",
        .without = "Möller and Trumbore's",
-       .replacements = replaceFunction("traverse.glsl", "Intersection", "intersectTrianglePair",
-                                       "bool intersectPrimitive(", "moeller_trumbore.glsl"),
+       .replacements = replaceFunction("triangle.glsl", "Intersection", "intersectTrianglePair",
+                                       "// The surface where a ray hits", "moeller_trumbore.glsl"),
        .matters = [](const Features& features) { return features.triangles; },
        .failures = {leaksOfIcosphere}},
       {.name = "widened slabs, padded boxes",

@@ -246,7 +246,7 @@ class Render(Command):
     def test_a_mesh_renders_from_another_folder(self):
         # The mesh lies beside the scene, not beside the caller.
         stats = self.stats(SCENES / "spot.json", *SMALL)
-        self.assertEqual(stats["primitives"], {"spheres": 1, "triangles": 5858})
+        self.assertEqual(stats["primitives"], {"spheres": 1, "cones": 0, "triangles": 5858})
 
     def test_turners_own_scenes_are_found_from_everywhere(self):
         self.do("render", "scenes/spheres.json", *TINY, "--backend", "reference")

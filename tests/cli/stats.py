@@ -7,7 +7,7 @@ from support.settings import SCENES
 class Statistics(Command):
     KEYS = {
         "device": {"name": str, "driver": str, "type": str},
-        "primitives": {"spheres": int, "triangles": int},
+        "primitives": {"spheres": int, "cones": int, "triangles": int},
         "rays": {"eye": int, "reflected": int, "refracted": int, "shadow": int},
         "seconds": {k: float for k in ("load", "build", "compile", "upload", "trace", "readback", "total")},
     }
@@ -32,7 +32,7 @@ class Statistics(Command):
                     self.assertGreaterEqual(value, 0, f"{group}.{key}")
                 else:
                     self.assertNotEqual(value, "", f"{group}.{key}")
-        self.assertEqual(stats["primitives"], {"spheres": 10, "triangles": 2})
+        self.assertEqual(stats["primitives"], {"spheres": 10, "cones": 0, "triangles": 2})
         rays, seconds = stats["rays"], stats["seconds"]
         self.assertEqual(rays["eye"], eye)
         self.assertGreater(min(rays["reflected"], rays["refracted"], rays["shadow"]), 0)
@@ -72,5 +72,5 @@ class Statistics(Command):
 
     def test_stats_are_there_for_an_empty_scene(self):
         stats = self.stats(self.write("empty.json", "{}"), *TINY)
-        self.assertEqual(stats["primitives"], {"spheres": 0, "triangles": 0})
+        self.assertEqual(stats["primitives"], {"spheres": 0, "cones": 0, "triangles": 0})
         self.assertEqual(stats["rays"], {"eye": 64, "reflected": 0, "refracted": 0, "shadow": 0})

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <glm/common.hpp>
 #include <optional>
+#include <tuple>
 
 #include "base/errors.h"
 #include "geometry/round_scene.h"
@@ -69,6 +70,10 @@ Kernel makeKernel(const Device& device, BufferAccess access, const std::string& 
       {gpu::kSpecSpheres, features.spheres},
       {gpu::kSpecTriangles, features.triangles},
       {gpu::kSpecSmoothNormals, features.smoothNormals},
+      {gpu::kSpecCones, features.cones},
+      {gpu::kSpecSlopedCones, features.slopedCones},
+      {gpu::kSpecSteepCones, features.steepCones},
+      {gpu::kSpecFarCones, features.farCones},
       {gpu::kSpecNearSpheres, features.nearSpheres},
       {gpu::kSpecFarSpheres, features.farSpheres},
       {gpu::kSpecNestedDielectrics, features.dielectrics},
@@ -248,8 +253,11 @@ void Kernels::setScene(const Scene& world, const BuildTree& build) {
   parts.naive.frame.root = naive.primitives.empty() ? gpu::kRefNone : 0;
 
   const Features &a = parts.features, &b = parts.stepFeatures;
-  if (!parts.step || a.spheres != b.spheres || a.triangles != b.triangles || a.smoothNormals != b.smoothNormals ||
-      a.nearSpheres != b.nearSpheres || a.farSpheres != b.farSpheres || a.dielectrics != b.dielectrics) {
+  const auto shape = [](const Features& f) {
+    return std::tuple(f.spheres, f.triangles, f.smoothNormals, f.nearSpheres, f.farSpheres, f.cones, f.slopedCones,
+                      f.steepCones, f.farCones, f.dielectrics);
+  };
+  if (!parts.step || shape(a) != shape(b)) {
     parts.step = makeKernel(parts.device, parts.access, parts.kernels + "step.comp", parts.features);
     parts.stepFeatures = parts.features;
   }

@@ -26,8 +26,7 @@ class JsonListener : public WatchListener {
 
   void onScene(const SceneReady& scene) override {
     print("scene", [&](JsonWriter& json) {
-      json.put("spheres", scene.spheres);
-      json.put("triangles", scene.triangles);
+      for (const PrimitiveCount& type : scene.primitives) json.put(type.name.c_str(), type.count);
       json.put("width", scene.settings.width);
       json.put("height", scene.settings.height);
       json.object("device", [&] {

@@ -26,7 +26,7 @@ class TextListener : public WatchListener {
   }
 
   void onScene(const SceneReady& scene) override {
-    print("scene: {} ({} spheres, {} triangles)\n", plan_.scene, scene.spheres, scene.triangles);
+    print("scene: {} ({})\n", plan_.scene, toText(scene.primitives));
     for (const std::string& note : scene.summary.notes) print("note: {}\n", note);
     if (std::exchange(printedDevice_, true)) return;
     print("device: {} ({}, {}), fetching {}\n", scene.device, scene.deviceType, scene.driver, scene.access);

@@ -71,6 +71,7 @@ class SceneReader {
   void readFalloff(size_t at, const Field& field, Falloff& falloff);
   void readMaterial(std::string_view name, size_t at, const Field& field);
   void readSphere(size_t at, const Field& field);
+  void readCone(size_t at, const Field& field);
   void readTriangle(size_t at, const Field& field);
   void readNormals(size_t at, const Field& field, Triangle& triangle);
   void readMesh(size_t at, const Field& field);
@@ -90,7 +91,7 @@ class SceneReader {
 void SceneReader::read() {
   const Field root;
   // The sections may come in any order, but materials are known before what refers to them.
-  size_t materials = 0, spheres = 0, triangles = 0, meshes = 0;  // 0 is the root: not there
+  size_t materials = 0, spheres = 0, cones = 0, triangles = 0, meshes = 0;  // 0 is the root: not there
   const auto keep = [](size_t& place) { return [&place](size_t at, const Field&) { place = at; }; };
   fields_.readObject(
       0, root,
@@ -114,6 +115,7 @@ void SceneReader::read() {
         }},
        {"materials", false, keep(materials)},
        {"spheres", false, keep(spheres)},
+       {"cones", false, keep(cones)},
        {"triangles", false, keep(triangles)},
        {"meshes", false, keep(meshes)}});
 
@@ -123,6 +125,9 @@ void SceneReader::read() {
   }
   if (spheres) {
     fields_.readArray(spheres, {&root, "spheres"}, [&](size_t at, const Field& field) { readSphere(at, field); });
+  }
+  if (cones) {
+    fields_.readArray(cones, {&root, "cones"}, [&](size_t at, const Field& field) { readCone(at, field); });
   }
   if (triangles) {
     fields_.readArray(triangles, {&root, "triangles"}, [&](size_t at, const Field& field) { readTriangle(at, field); });
@@ -236,6 +241,33 @@ void SceneReader::readSphere(size_t at, const Field& field) {
         [&](size_t place, const Field& name) { fields_.readNumber(place, name, kPositive, sphere.radius); }},
        {"material", true, [&](size_t place, const Field& name) { readMaterialName(place, name, sphere.material); }}});
   scene_.spheres.push_back(sphere);
+}
+
+void SceneReader::readCone(size_t at, const Field& field) {
+  Cone cone;
+  bool areGood = true;
+  const auto endInto = [&](glm::dvec3& end) {
+    return [&](size_t place, const Field& name) { areGood &= fields_.readVector(place, name, kAnyNumber, end); };
+  };
+  const auto radiusInto = [&](double& radius) {
+    return [&](size_t place, const Field& name) { areGood &= fields_.readNumber(place, name, kNotNegative, radius); };
+  };
+  areGood &= fields_.readObject(
+      at, field,
+      {{"base", true, endInto(cone.base)},
+       {"base_radius", true, radiusInto(cone.baseRadius)},
+       {"apex", true, endInto(cone.apex)},
+       {"apex_radius", true, radiusInto(cone.apexRadius)},
+       {"material", true, [&](size_t place, const Field& name) { readMaterialName(place, name, cone.material); }}});
+  if (!areGood) return;
+  if (cone.base == cone.apex)
+    fields_.addMessage(at, field, "base and apex are the same point; a cone needs a length");
+  else if (cone.baseRadius == 0 && cone.apexRadius == 0)
+    fields_.addMessage(at, field, "both radii are 0; one of them must be greater");
+  else if (isTooFlat(cone))
+    fields_.addMessage(at, field,
+                       "the radii differ by more than 1e5 times the distance of base and apex; triangles make a disc");
+  scene_.cones.push_back(cone);
 }
 
 void SceneReader::readTriangle(size_t at, const Field& field) {

@@ -10,6 +10,7 @@ PrimitiveCounts countPrimitives(std::string_view text) {
   // The least text that a corner and a sphere may have; a file that announces more must not get the memory for it.
   const size_t mostCorners = text.size() / std::string_view("0 0 0\n").size();
   const size_t mostSpheres = text.size() / std::string_view("s 0 0 0 1\n").size();
+  const size_t mostCones = text.size() / std::string_view("c\n0 0 0 1\n0 0 1 1\n").size();
   for (size_t at = 0; at < text.size();) {
     if (text[at] == 's') {
       ++counts.spheres;
@@ -30,7 +31,7 @@ PrimitiveCounts countPrimitives(std::string_view text) {
   }
   counts.triangles += counts.smooth;
   return {std::min(counts.spheres, mostSpheres), std::min(counts.triangles, mostCorners),
-          std::min(counts.smooth, mostCorners), counts.cones};
+          std::min(counts.smooth, mostCorners), std::min(counts.cones, mostCones)};
 }
 
 }  // namespace turner::nff

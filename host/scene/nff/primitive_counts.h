@@ -7,7 +7,7 @@
 namespace turner::nff {
 
 struct PrimitiveCounts {
-  size_t spheres = 0, triangles = 0, smooth = 0, cones = 0;  // triangles: smooth ones too, but not those of cones
+  size_t spheres = 0, triangles = 0, smooth = 0, cones = 0;  // triangles: smooth ones too
 };
 
 // Right if each entity begins at the start of its line; never more than a text of this size can hold.

@@ -1,4 +1,4 @@
-// In: the text of an NFF file. Out: its scene, spheres and triangles only. One function for each entity; an entity that
+// In: the text of an NFF file. Out: its scene. One function for each entity; an entity that
 // is wrong is reported, and the parser goes on behind it.
 #include "scene/nff/scene_nff.h"
 
@@ -20,7 +20,6 @@
 #include "scene/nff/nff_lines.h"
 #include "scene/nff/nff_view.h"
 #include "scene/nff/primitive_counts.h"
-#include "scene/nff/tessellate_cone.h"
 #include "scene/polygon/polygon.h"
 #include "scene/text_scanner.h"
 
@@ -29,12 +28,16 @@ namespace {
 
 using nff::Broken, nff::isEntity, nff::kMostFaults, nff::Numbers;
 
+constexpr const char* kTooFlat =
+    "the radii differ by more than 1e5 times the distance of base and apex; a polygon is a disc, and longer cones are "
+    "allowed";
+
 class NffParser {
  public:
   NffParser(const std::string& path, std::string_view text) : lines_(path, text) {
     const nff::PrimitiveCounts counts = nff::countPrimitives(text);
-    conesToCome_ = double(counts.cones);
     reservePrefaulted(result_.scene.spheres, counts.spheres);
+    reservePrefaulted(result_.scene.cones, counts.cones);
     reservePrefaulted(result_.scene.triangles, counts.triangles);
     reservePrefaulted(result_.scene.normals, counts.smooth);
     const std::filesystem::path file(path);
@@ -294,24 +297,9 @@ class NffParser {
                   "one radius is negative, the other positive; allowed are both negative (seen from inside) or none");
     }
     if (base == apex) lines_.fail(numbers.offsets[4], "base and apex are the same point; a cone needs a length");
-    const nff::Cone cone{base, std::abs(baseRadius), apex, std::abs(apexRadius), baseRadius < 0 || apexRadius < 0};
-    const uint32_t material = currentMaterial(word);
-    makeRoomForCone(nff::mostConeTriangles(cone));
-    nff::tessellateCone(cone, material, result_.scene);
-  }
-
-  // Makes room for the triangles of a cone and, if they are like those so far, of all that follow.
-  void makeRoomForCone(size_t count) {
-    ++conesSoFar_;
-    coneTriangles_ += double(count);
-    conesToCome_ = std::max(0.0, conesToCome_ - 1);
-    std::vector<Triangle>& triangles = result_.scene.triangles;
-    if (triangles.capacity() - triangles.size() >= count) return;
-    // The first cones may be unlike the rest: beyond a few MiB, room grows with what is there.
-    const double most = 65536 + 16 * double(triangles.size());
-    const size_t room = count + size_t(std::min(most, coneTriangles_ / conesSoFar_ * conesToCome_));
-    reservePrefaulted(triangles, room);
-    reservePrefaulted(result_.scene.normals, room);
+    const Cone cone{base, baseRadius, apex, apexRadius, currentMaterial(word)};
+    if (isTooFlat(cone)) lines_.fail(numbers.offsets[4], kTooFlat);
+    result_.scene.cones.push_back(cone);
   }
 
   nff::Lines lines_;
@@ -320,7 +308,6 @@ class NffParser {
   bool hasBackground_ = false;
   bool saidNoMaterial_ = false;
   size_t polygonsWithoutArea_ = 0;
-  double conesSoFar_ = 0, conesToCome_ = 0, coneTriangles_ = 0;
   std::vector<size_t> lightsWithoutColor_;
   std::vector<glm::dvec3> corners_, cornerNormals_;  // of the polygon being read; kept for their memory
 };

@@ -68,14 +68,14 @@ struct SceneReady {
   uint64_t job = 0, sceneEpoch = 0;
   Scene summary;  // name, camera, sources and notes
   RenderSettings settings;
-  uint64_t spheres = 0, triangles = 0;
+  PrimitiveCounts primitives;
   std::string device, driver, deviceType, access;
   double openSeconds = 0, loadSeconds = 0, buildSeconds = 0, uploadSeconds = 0;  // 0 where it was not done again
 
   template <class Bytes>
   void fields(Bytes& b) {
     uint64_t files = summary.sources.size();
-    b(job, sceneEpoch, summary.name, summary.camera, summary.notes, files, settings, spheres, triangles, device, driver,
+    b(job, sceneEpoch, summary.name, summary.camera, summary.notes, files, settings, primitives, device, driver,
       deviceType, access);
     b(openSeconds, loadSeconds, buildSeconds, uploadSeconds);
     summary.sources.resize(files);

@@ -127,8 +127,7 @@ class Worker {
       ready.summary.camera = scene.camera;
       ready.summary.sources = scene.sources;
       ready.summary.notes = scene.notes;
-      ready.spheres = scene.spheres.size();
-      ready.triangles = scene.triangles.size();
+      ready.primitives = scene.primitiveCounts();
       ready.loadSeconds = watch.lap();
       session_->prepare(std::move(scene), ready.settings);
       session_->upload();

@@ -13,7 +13,6 @@
 #include "base/errors.h"
 #include "base/text_file.h"
 #include "scene/nff/scene_nff.h"
-#include "scene/nff/tessellate_cone.h"
 #include "support/damage.h"
 #include "support/loading_speed.h"
 
@@ -160,90 +159,30 @@ TEST(Nff, PolygonsWithoutAreaAreDroppedAndCounted) {
   EXPECT_EQ(scene.triangles.size(), 1u);
 }
 
-// All vertices of a cone from the origin along an axis, and their normals.
-void checkCone(const glm::dvec3& axis, double baseRadius, double apexRadius) {
-  SCOPED_TRACE(std::to_string(baseRadius) + " to " + std::to_string(apexRadius));
-  const double length = glm::length(axis), r0 = std::abs(baseRadius), r1 = std::abs(apexRadius);
-  const double sign = baseRadius < 0 || apexRadius < 0 ? -1 : 1;
-  char line[400];
-  std::snprintf(line, sizeof line, "c 0 0 0 %.17g %.17g %.17g %.17g %.17g\n", baseRadius, axis.x, axis.y, axis.z,
-                apexRadius);
-  const Scene scene = parse(kMaterial + line);
-  const int pieces = nff::conePieces(length, std::max(r0, r1));
-  const int stripsAtATip = baseRadius == 0 || apexRadius == 0 ? 1 : 0;
-  ASSERT_EQ(scene.triangles.size(), size_t(2 * pieces - stripsAtATip) * nff::kConeSegments);
-  double area = 0;
-  for (const Triangle& triangle : scene.triangles) {
-    ASSERT_LT(triangle.normals, scene.normals.size());
-    const auto& [a, b, c] = triangle.vertices;
-    const glm::dvec3 areaVector = glm::cross(b - a, c - a) / 2.0;
-    area += glm::length(areaVector);
-    for (int k = 0; k < 3; ++k) {
-      const glm::dvec3 vertex = triangle.vertices[k], normal = scene.normals[triangle.normals][k];
-      // On one of the rims: those of base and apex, and as many between them as the pieces need.
-      const double rim = std::round(glm::dot(vertex, axis) / (length * length) * pieces), height = rim / pieces;
-      const glm::dvec3 spoke = vertex - height * axis;
-      const double radius = r0 + height * (r1 - r0);
-      // All but the base's carry the rounding of their centre's own coordinates too.
-      EXPECT_NEAR(glm::length(spoke), radius, 1e-15 * std::max(r0, r1) + (rim > 0 ? 4e-16 * length : 0));
-      EXPECT_NEAR(glm::length(normal), 1, 1e-14);
-      EXPECT_GT(glm::dot(normal, areaVector), 0) << "normal and winding disagree";
-      const glm::dvec3 middle = (a + b + c) / 3.0 - axis * (glm::dot((a + b + c) / 3.0, axis) / (length * length));
-      EXPECT_GT(sign * glm::dot(areaVector, middle), 0) << "wound to the wrong side";
-      if (radius < 1e-12) continue;
-      const glm::dvec3 outward = spoke / radius, slant = axis + (r1 - r0) * outward;
-      EXPECT_NEAR(glm::dot(normal, slant), 0, 1e-13 * glm::length(slant));
-      EXPECT_NEAR(glm::dot(normal, glm::cross(axis, outward)), 0, 1e-13 * length);
-      EXPECT_GT(sign * glm::dot(normal, outward), 0);
-    }
-  }
-  // Open, without overlap: strips of trapezoids between the rims.
-  const double half = M_PI / nff::kConeSegments;
-  const double height = std::hypot(length, (r1 - r0) * std::cos(half));
-  EXPECT_NEAR(area, nff::kConeSegments * (r0 + r1) * std::sin(half) * height, 1e-12 * area);
-}
-
-TEST(Nff, ConesHaveExactRimsAndNormals) {
-  for (const glm::dvec3& axis :
-       {glm::dvec3(0, 0, 1), glm::dvec3(0, -3, 0), glm::dvec3(1, 2, -3), glm::dvec3(0.1, 0, 0)}) {
-    checkCone(axis, 0.5, 0.5);
-    checkCone(axis, 1, 0.25);
-    checkCone(axis, 0.25, 1);
-    checkCone(axis, 0.7, 0);
-    checkCone(axis, 0, 0.7);
-    checkCone(axis, -0.5, -0.75);
-    checkCone(axis, -0.5, 0);
-    checkCone(axis, 0, -0.5);
-  }
+TEST(Nff, ConesStayWhatTheyAre) {
+  const Scene scene =
+      parse(kMaterial + "c 1 2 3 0.5 4 5 7 0.25\nc 0 0 0 -1 0 0 1 0\n" + kMaterial + "c 0 0 0 0 0 1 0 2\n");
+  ASSERT_EQ(scene.cones.size(), 3u);
+  EXPECT_TRUE(scene.triangles.empty());
+  EXPECT_EQ(scene.cones[0].base, glm::dvec3(1, 2, 3));
+  EXPECT_EQ(scene.cones[0].baseRadius, 0.5);
+  EXPECT_EQ(scene.cones[0].apex, glm::dvec3(4, 5, 7));
+  EXPECT_EQ(scene.cones[0].apexRadius, 0.25);
+  EXPECT_EQ(scene.cones[0].material, 0u);
+  EXPECT_FALSE(scene.cones[0].isInward());
+  EXPECT_TRUE(scene.cones[1].isInward());
+  EXPECT_EQ(scene.cones[2].baseRadius, 0);
+  EXPECT_EQ(scene.cones[2].material, 1u);
 }
 
 TEST(Nff, ConesMayStandOnThreeLines) {
   const Scene one = parse(kMaterial + "c 0 -1 0 1 0 1 0 0.5\n"), three = parse(kMaterial + "c\n0 -1 0 1\n0 1 0 0.5\n");
-  ASSERT_EQ(one.triangles.size(), three.triangles.size());
-  for (size_t i = 0; i < one.triangles.size(); ++i) EXPECT_EQ(one.triangles[i].vertices, three.triangles[i].vertices);
+  ASSERT_EQ(one.cones.size(), 1u);
+  ASSERT_EQ(three.cones.size(), 1u);
+  EXPECT_EQ(one.cones[0].apex, three.cones[0].apex);
+  EXPECT_EQ(one.cones[0].apexRadius, three.cones[0].apexRadius);
   expectFault(kMaterial + "c\n0 -1 0 1\n", "2:1", "the file ends inside this cone");
   expectFault(kMaterial + "c\n0 -1 0 1\ns 0 0 0 1\n", "4:1", "where an end of the cone should stand");
-}
-
-TEST(Nff, ConesCloseWithoutGaps) {
-  const Scene scene = parse(kMaterial + "c 1 2 3 0.5 4 5 7 0.25\n");
-  // Every edge but those of the two rims is shared by two triangles, to the last bit.
-  size_t single = 0;
-  const auto same = [](const glm::dvec3& a, const glm::dvec3& b) { return a == b; };
-  for (const Triangle& t : scene.triangles) {
-    for (int k = 0; k < 3; ++k) {
-      int partners = 0;
-      for (const Triangle& other : scene.triangles) {
-        for (int m = 0; m < 3; ++m) {
-          partners +=
-              same(t.vertices[k], other.vertices[(m + 1) % 3]) && same(t.vertices[(k + 1) % 3], other.vertices[m]);
-        }
-      }
-      EXPECT_LE(partners, 1);
-      single += partners == 0;
-    }
-  }
-  EXPECT_EQ(single, 2u * nff::kConeSegments);
 }
 
 TEST(Nff, NumbersAndLinesAreChecked) {
@@ -273,6 +212,7 @@ TEST(Nff, ObjectsAreChecked) {
   expectFault(kMaterial + "s 0 0 0 1e31\n", "2:9", "'1e31' is too large");
   expectFault(kMaterial + "c 0 0 0 0 1 0 0 0\n", "2:9", "both radii are 0");
   expectFault(kMaterial + "c 0 0 0 1 1 0 0 -1\n", "2:17", "one radius is negative");
+  expectFault(kMaterial + "c 0 0 0 1e6 0 0 1 0\n", "2:13", "a polygon is a disc");
   expectFault(kMaterial + "c 1 2 3 1 1 2 3 1\n", "2:11", "the same point");
   expectFault(kMaterial + "c 1 2 3 1 1 2 3\n", "2:16", "found 7 numbers");
   expectFault(kMaterial + "p\n", "2:2", "the number of corners is missing");
@@ -397,16 +337,14 @@ TEST(TimingNff, LargeFilesAreReadFast) {
 TEST(Nff, SpdScenesHaveTheirPublishedCounts) {
   struct Expected {
     const char* file;
-    size_t lights, spheres, triangles, smooth;
+    size_t lights, spheres, cones, triangles, smooth;
   };
   const std::filesystem::path folder = std::filesystem::path(TURNER_SCENES_DIR) / "spd";
-  // The rings' cylinders are 14.8 radii long: four pieces each.
-  const size_t strip = 4 * 2 * nff::kConeSegments;
-  for (const Expected& expected : {Expected{"balls.nff", 3, 7381, 2, 0},
-                                   {"gears.nff", 5, 0, 9217 * 2 + 128 * 142, 0},
-                                   {"mount.nff", 1, 4, 8192, 0},
-                                   {"rings.nff", 3, 4200, 2 + 4200 * strip, 4200 * strip},
-                                   {"teapot.nff", 2, 0, 2256 + 36 * 2, 2256}}) {
+  for (const Expected& expected : {Expected{"balls.nff", 3, 7381, 0, 2, 0},
+                                   {"gears.nff", 5, 0, 0, 9217 * 2 + 128 * 142, 0},
+                                   {"mount.nff", 1, 4, 0, 8192, 0},
+                                   {"rings.nff", 3, 4200, 4200, 2, 0},
+                                   {"teapot.nff", 2, 0, 0, 2256 + 36 * 2, 2256}}) {
     SCOPED_TRACE(expected.file);
     const std::string path = (folder / expected.file).string();
     const ParsedScene parsed = parseNffScene(path, readTextFile(path));
@@ -414,6 +352,7 @@ TEST(Nff, SpdScenesHaveTheirPublishedCounts) {
     EXPECT_EQ(parsed.scene.width, 512);
     EXPECT_EQ(parsed.scene.lights.size(), expected.lights);
     EXPECT_EQ(parsed.scene.spheres.size(), expected.spheres);
+    EXPECT_EQ(parsed.scene.cones.size(), expected.cones);
     EXPECT_EQ(parsed.scene.triangles.size(), expected.triangles);
     EXPECT_EQ(parsed.scene.normals.size(), expected.smooth);
     EXPECT_TRUE(parsed.scene.notes.empty());

@@ -327,10 +327,10 @@ INSTANTIATE_TEST_SUITE_P(
         // A function with a loop, called in loops.
         Planted{
             "InACalledFunction",
-            {{"", "intersect.glsl", "float nearestRoot(const float b,",
+            {{"", "sphere.glsl", "float nearestRoot(const float b,",
               "float spin(float x) {\n  /*here*/while (x != 2.0) x = abs(x);\n  return x;\n}\n\nfloat "
               "nearestRoot(const float b,"},
-             {"", "intersect.glsl", "bool isOther = c > 0.0 || b < 0.0;", "bool isOther = c > 0.0 || spin(b) < 0.0;"}}},
+             {"", "sphere.glsl", "bool isOther = c > 0.0 || b < 0.0;", "bool isOther = c > 0.0 || spin(b) < 0.0;"}}},
         // Others run inside of it, each to its end.
         Planted{
             "AroundOtherLoops",

@@ -1,45 +1,5 @@
-// A ray against one sphere or triangle. In: the ray and the primitive. Out: the distance, in units of the
-// ray's direction. Ng, t and the other symbols are those of docs/light_transport.md.
-
-const float kNoHit = 1e38;  // farther than everything, and still finite when an interval is widened
-
-// Whether a reference is to triangles, not to spheres: to a leaf of pairs, or to one triangle.
-bool isOfTriangles(const uint reference) { return TRIANGLES && (!SPHERES || (reference & kRefTriangle) != 0u); }
-
-struct Ray {
-  vec3 origin;
-  vec3 direction;  // unit for eye and secondary rays; the way to the light for shadow rays
-  uint originPrimitive;    // the primitive it starts on, with kStartsInward; kRefNone for an eye ray
-};
-
-// What a ray's direction gives to all its tests.
-struct RayFactors {
-  vec3 inverse;     // 1 / direction, for boxes
-  uvec3 nearShift;  // where a node's planes that the ray meets first lie: 0 the lower ones, 8 the upper ones
-  int axis;         // of the largest component of the direction, for triangles
-  vec3 shear;       // Woop's S_x, S_y, S_z
-  float norm;       // |direction|, for spheres
-  float inverseNorm;
-};
-
-// The three components with axis z last, in cyclic order.
-vec3 turn(const vec3 v, const int axis) { return axis == 0 ? v.yzx : axis == 1 ? v.zxy : v; }
-
-RayFactors rayFactors(const vec3 direction) {
-  RayFactors factors;
-  // A component near 0 becomes 1e-18, keeping its sign: 0 * inf would be NaN in a slab that holds the origin on its
-  // plane, and Vulkan does not promise infinities. The boxes are padded, so that nothing is missed by it.
-  vec3 magnitude = abs(direction);
-  vec3 safe = mix(max(magnitude, 1e-18), -max(magnitude, 1e-18), lessThan(direction, vec3(0)));
-  factors.inverse = 1.0 / safe;
-  factors.nearShift = mix(uvec3(0u), uvec3(8u), lessThan(direction, vec3(0)));
-  factors.axis = magnitude.x > magnitude.y ? (magnitude.x > magnitude.z ? 0 : 2) : (magnitude.y > magnitude.z ? 1 : 2);
-  vec3 d = turn(direction, factors.axis);
-  factors.shear = vec3(d.x / d.z, d.y / d.z, 1.0 / d.z);
-  factors.norm = length(direction);
-  factors.inverseNorm = 1.0 / factors.norm;
-  return factors;
-}
+// A ray against one sphere, and the surface there. In: the ray and the sphere. Out: the distance, in units of the ray's
+// direction.
 
 // Decoded sphere. Where the eye is near its surface, the host gives what its center loses to float, and
 // the eye's power |center|^2 - radius^2, computed in wider arithmetic: rounded to float, center and radius would no
@@ -133,12 +93,6 @@ float sphereErrorBound(const SphereData sphere, const vec3 point) {
   return 2.0 * kRounding * (largest(abs(sphere.center)) + abs(sphere.radius));
 }
 
-// The same of a plane and its coplanar neighbours: the point is rounded, both planes' N and d are, and so is every term
-// of the neighbour's N.x. The errors of the terms add up to seven roundings of the sum of their sizes at the worst.
-float planeErrorBound(const vec3 normal, const float offset, const vec3 point) {
-  return 2.0 * kRounding * (dot(abs(normal), abs(point)) + abs(offset));
-}
-
 // Distance to a sphere, or kNoHit.
 float hitSphere(const Ray ray, const RayFactors factors, const SphereData sphere, const bool startsOnIt) {
   vec3 f = ray.origin - sphere.center;
@@ -153,7 +107,7 @@ float hitSphere(const Ray ray, const RayFactors factors, const SphereData sphere
   if (discriminant < 0.0) t = kNoHit;
   if (NEAR_SPHERES && abs(c) <= 0.5 * squaredRadius && !startsOnIt) t = hitNearSphere(ray, factors, sphere);
   // A ray that starts on the sphere: one root is exactly 0, the other 2b/a. Outward it never returns, however grazing.
-  float second = (ray.originPrimitive & kStartsInward) != 0u ? greater(2.0 * middle, 0.0) : kNoHit;
+  float second = startsInward(ray) ? greater(2.0 * middle, 0.0) : kNoHit;
   return startsOnIt ? second : t;
 }
 
@@ -174,41 +128,43 @@ vec3 distantOutward(const Ray ray, const RayFactors factors, const SphereData sp
   return normalize(perpendicular + halfChord * ray.direction);
 }
 
-// A vertex as the ray sees it (Woop, Benthin, Wald, JCGT 2(1), 2013): x and y across the ray, z its distance, measured
-// along the ray's largest component.
-vec3 sheared(const Ray ray, const RayFactors factors, const vec3 vertex) {
-  precise vec3 v = turn(vertex - ray.origin, factors.axis);
-  precise vec2 across = v.xy - factors.shear.xy * v.z;
-  return vec3(across, v.z * factors.shear.z);
+Intersection intersectSphere(const Ray ray, const RayFactors factors, const uint primitive) {
+  Sphere packed = sphereAt(primitive);
+  bool startsOnIt = startsOn(ray, primitive);
+  SphereData sphere = sphereOf(packed);
+  float t = hitSphere(ray, factors, sphere, startsOnIt);
+  Intersection found = Intersection(t, primitive, packed.rank, false, 1u, 0u, 0.0);
+  if (NESTED_DIELECTRICS && found.t < kNoHit) {
+    bool outside = !startsOnIt && isOutside(sphere, ray.origin);
+    found.interfaceId = interfaceOf(packed.material & ~kNearEye, outside != (sphere.radius < 0.0));
+    vec3 point = ray.origin + found.t * ray.direction;
+    float cosine = dot(normalize(point - sphere.center), ray.direction);
+    found.coincidence = coincidenceDistance(point, sphereErrorBound(sphere, point), cosine);
+  }
+  return found;
 }
 
-// The signed area between the ray and an edge of sheared vertices. Watertight without a wider type: each product is
-// rounded by itself, so that the difference has the right sign or is 0, and the neighbour across the edge, who has the
-// ends in the other order, gets exactly the opposite.
-float edgeArea(const vec3 from, const vec3 to) {
-  precise float area = to.x * from.y - to.y * from.x;
-  return area;
-}
-
-// Whether the ray passes a triangle of these areas: on the same side of all edges, and not edge-on.
-bool isInside(const float u, const float v, const float w) {
-  precise float det = u + v + w;
-  bool outside = lesser(lesser(u, v), w) < 0.0 && greater(greater(u, v), w) > 0.0;
-  return !outside && det != 0.0;
-}
-
-// Distance to a triangle's plane, which is better than the one that the edges give: on thin triangles by far, and beside
-// the eye of a huge one. Kept between the vertices, because the plane of a triangle seen nearly edge-on tells nothing.
-// The origin's height under the plane comes from whichever is nearer: the nearest vertex (of a small triangle far from
-// the eye), or the plane's offset, which is its distance from the eye.
-float planeDistance(const Ray ray, const vec3 normal, const float offset, const vec3 vertex, const float tNear,
-                    const float tFar) {
-  vec3 way = vertex - ray.origin;
-  precise float slope = dot(normal, ray.direction);
-  precise float fromVertex = dot(normal, way);
-  precise float fromEye = offset - dot(normal, ray.origin);
-  bool isNear = dot(abs(way), vec3(1)) < dot(abs(ray.origin), vec3(1));
-  precise float t = (isNear ? fromVertex : fromEye) / slope;
-  if (slope == 0.0) t = tNear;
-  return lesser(greater(t, tNear), tFar);
+// The surface where a ray hits a sphere at t.
+Surface sphereSurface(const Ray ray, const RayFactors factors, const float t, const uint primitive) {
+  Surface surface;
+  Sphere packed = sphereAt(primitive & kRefOffsetMask);
+  SphereData sphere = sphereOf(packed);
+  // By where the ray starts, not by its angle: at the silhouette that is within its rounding.
+  bool startsOnIt = startsOn(ray, primitive);
+  surface.outside = !startsOnIt && isOutside(sphere, ray.origin);
+  vec3 point = ray.origin + t * ray.direction;
+  bool isFar = FAR_SPHERES && !sphere.nearEye;
+  vec3 outward = isFar ? distantOutward(ray, factors, sphere, surface.outside) : normalize(point - sphere.center);
+  // Put the point back on the sphere: the error of o + t d grows with t.
+  surface.point = sphere.center + abs(sphere.radius) * outward;
+  if (NEAR_SPHERES && sphere.nearEye) {
+    // The center is far away and rounded. Newton's step to where the power is 0 keeps the digits of the point.
+    surface.point = point - (0.5 * powerOf(sphere, point).x / abs(sphere.radius)) * outward;
+  }
+  surface.errorBound = sphereErrorBound(sphere, surface.point);
+  surface.front = surface.outside != (sphere.radius < 0.0);
+  surface.Ng = surface.outside ? outward : -outward;
+  surface.Ns = surface.Ng;
+  surface.material = packed.material & ~kNearEye;
+  return surface;
 }
