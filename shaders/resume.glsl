@@ -97,6 +97,19 @@ void beginWork() {
   raysSpawned = nodesVisited = primitivesVisited = Word4(0u);
 }
 
+// Begins a sample with its eye ray.
+void beginSample() {
+  ray = Ray(vec3(0), eyeDirection(pixel, sampleIndex), kRefNone);
+  rayKind = kEye;
+  weight = 1.0;
+  level = 1u;
+  if (NESTED_DIELECTRICS) media = frame.media, hiddenInterfaces = 0u;
+  RayFactors factors = rayFactors(ray.direction);
+  traversal = startInCellList(cellList(kEyeBuffer, directionFace(ray.direction, factors.axis), factors.shear.xy), kNoHit);
+  phase = kTrace;
+  if (COUNTERS) ++raysSpawned[kEye];
+}
+
 // Resumes the work where the last dispatch left it.
 void resumeWork() {
   beginWork();

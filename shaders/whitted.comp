@@ -35,20 +35,8 @@ uvec4 raysSpawned, nodesVisited, primitivesVisited;
 #include "shade.glsl"
 #include "tiles.glsl"
 #include "resume.glsl"
+#include "hidden_interfaces.glsl"
 #include "canary.glsl"
-
-// Begins a sample with its eye ray.
-void beginSample() {
-  ray = Ray(vec3(0), eyeDirection(pixel, sampleIndex), kRefNone);
-  rayKind = kEye;
-  weight = 1.0;
-  level = 1u;
-  if (NESTED_DIELECTRICS) media = frame.media, hiddenInterfaces = 0u;
-  RayFactors factors = rayFactors(ray.direction);
-  traversal = startInCellList(cellList(kEyeBuffer, directionFace(ray.direction, factors.axis), factors.shear.xy), kNoHit);
-  phase = kTrace;
-  if (COUNTERS) ++raysSpawned[kEye];
-}
 
 // The nearest hit of the ray in hand, or as much of the way there as the budget allows.
 void findNearestHit(const RayFactors factors, inout int budget) {
@@ -93,20 +81,6 @@ void addLight(const Surface surface, const Material material, inout int budget) 
                      weight * material.localWeight * lightReflected(surface, -ray.direction, light, material));
     ++lightIndex;
     phase = kNextLight;
-  }
-}
-
-// An interface that is hidden in other glass is not seen: the ray goes straight on.
-void passHiddenInterface(const Surface surface, const Crossing crossing) {
-  ray = leaveSurface(surface, hitPrimitive, ray.direction, false);
-  media = crossing.beyond;
-  ++hiddenInterfaces;
-  traversal = startAtRoot();
-  phase = kTrace;
-  // Every such ray comes to an end, whatever the geometry.
-  if (hiddenInterfaces >= kMaxHiddenInterfaces) {
-    mediaLost = true;
-    phase = kNextRay;
   }
 }
 

@@ -99,7 +99,8 @@ struct PovRay {
 struct Measurement {
   std::string scene;
   int width = 0, height = 0;
-  size_t spheres = 0, triangles = 0;
+  PrimitiveCounts primitives;
+  size_t primitiveCount = 0;
   std::string refused;  // why Turner did not take the scene; then nothing below is set
   RayCounts turnerRays, embreeRays;
   std::vector<std::string> disagreements;
@@ -324,15 +325,15 @@ Measurement measureScene(const BenchScene& chosen, const Options& options, Turne
     return roundScene(scene);
   }();
   checkReach(local);
-  m.spheres = local.spheres.size();
-  m.triangles = local.triangles.size();
+  m.primitives = local.primitiveCounts();
+  m.primitiveCount = local.primitiveCount();
   RenderSettings settings;
   settings.width = m.width = options.width > 0 ? options.width : chosen.width;
   settings.height = m.height = options.height > 0 ? options.height : chosen.height;
   settings.crop = {0, 0, settings.width, settings.height};
   settings.depth = kDepth;
 
-  const double primitives = double(std::max<size_t>(1, m.spheres + m.triangles));
+  const double primitives = double(std::max<size_t>(1, m.primitiveCount));
   try {
     const TurnerSide::Built built = turner.build(local, settings);
     m.buildSeconds = built.seconds;
@@ -408,13 +409,13 @@ void printHead(bool povray) {
 
 void printRow(const Measurement& m, bool povray) {
   if (!m.refused.empty()) {
-    fmt::print("| {} | {} | does not fit: {} |\n", m.scene, m.spheres + m.triangles, m.refused);
+    fmt::print("| {} | {} | does not fit: {} |\n", m.scene, m.primitiveCount, m.refused);
   } else {
     const RayCounts& rays = m.turnerRays;
     fmt::print("| {} | {} | {} | {} | {} | {} | {:.2f} | {:.2f} | {:.2f} ({:.2f}..{:.2f}) | {:.3f} | {:.3f} | {:.0f} |",
-               m.scene, m.spheres + m.triangles, rays.eye, rays.reflected, rays.refracted, rays.shadow,
-               m.turnerMrays.median, m.embreeMrays.median, m.ratio.median, m.ratio.least, m.ratio.most, m.buildSeconds,
-               m.commitSeconds, m.bytesPerPrimitive);
+               m.scene, m.primitiveCount, rays.eye, rays.reflected, rays.refracted, rays.shadow, m.turnerMrays.median,
+               m.embreeMrays.median, m.ratio.median, m.ratio.least, m.ratio.most, m.buildSeconds, m.commitSeconds,
+               m.bytesPerPrimitive);
     for (const KernelWork::PerRay& work : {m.work.eye, m.work.reflected, m.work.refracted, m.work.shadow})
       fmt::print(" {:.1f}, {:.1f} |", work.nodes, work.primitives);
     fmt::print(" {} |", m.work.rooflineShare ? fmt::format("{:.1f} %", 100 * *m.work.rooflineShare) : "");
@@ -461,8 +462,7 @@ void writeMeasurement(JsonFile& json, const Measurement& m) {
   json.put("scene", m.scene);
   json.put("width", uint64_t(m.width));
   json.put("height", uint64_t(m.height));
-  json.put("spheres", uint64_t(m.spheres));
-  json.put("triangles", uint64_t(m.triangles));
+  for (const PrimitiveCount& type : m.primitives) json.put(type.name.c_str(), type.count);
   if (!m.refused.empty()) return json.put("does_not_fit", m.refused);
   json.put("rays", m.turnerRays);
   json.put("embree_rays", m.embreeRays);

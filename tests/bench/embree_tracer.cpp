@@ -34,8 +34,8 @@ namespace {
 using glm::vec3;
 using Clock = std::chrono::steady_clock;
 
-constexpr unsigned kTriangles = 0, kSpheres = 1;  // the geometries' numbers in Embree's scene
-constexpr int kBlock = 16;                        // pixels to a side: what a thread takes at a time
+constexpr unsigned kTriangles = 0, kSpheres = 1, kCones = 2;  // the geometries' numbers in Embree's scene
+constexpr int kBlock = 16;                                    // pixels to a side: what a thread takes at a time
 
 float largest(const vec3& v) {
   return std::max({v.x, v.y, v.z});
@@ -152,45 +152,112 @@ bool hitSphere(const RTCRay& ray, const FloatSphere& sphere, float& t) {
   return t > 0 && t < ray.tfar;
 }
 
-const FloatSphere& sphereOf(const void* spheres, unsigned number) {
-  return static_cast<const FloatSphere*>(spheres)[number];
+struct FloatCone {
+  vec3 base, axis;               // axis: unit
+  float length, radius, growth;  // radius at the base; growth by a unit of height
+  bool inward;
+  uint32_t material;
+};
+
+FloatCone floatCone(const Cone& cone) {
+  const glm::dvec3 way = cone.apex - cone.base;
+  const double length = glm::length(way), radius = std::abs(cone.baseRadius);
+  return {vec3(cone.base),
+          vec3(way / length),
+          float(length),
+          float(radius),
+          float((std::abs(cone.apexRadius) - radius) / length),
+          cone.isInward(),
+          cone.material};
 }
 
-void boundSphere(const RTCBoundsFunctionArguments* arguments) {
-  const FloatSphere& sphere = sphereOf(arguments->geometryUserPtr, arguments->primID);
+// The quadratic of the textbooks, from where the ray is nearest to the base.
+bool hitCone(const RTCRay& ray, const FloatCone& cone, float& t) {
+  const vec3 d(ray.dir_x, ray.dir_y, ray.dir_z), toRay = vec3(ray.org_x, ray.org_y, ray.org_z) - cone.base;
+  const float foot = -glm::dot(toRay, d);
+  const vec3 p = toRay + foot * d;
+  const float height = glm::dot(p, cone.axis), climb = glm::dot(d, cone.axis);
+  const vec3 across = p - height * cone.axis, drift = d - climb * cone.axis;
+  const float radius = cone.radius + cone.growth * height, growing = cone.growth * climb;
+  const float a = glm::dot(drift, drift) - growing * growing, b = glm::dot(across, drift) - radius * growing,
+              c = glm::dot(across, across) - radius * radius;
+  const float discriminant = b * b - a * c;
+  if (discriminant < 0) return false;
+  const float root = std::sqrt(discriminant);
+  float roots[2] = {(-b - root) / a, (-b + root) / a};
+  if (a < 0) std::swap(roots[0], roots[1]);
+  for (const float fromFoot : roots) {
+    const float s = height + fromFoot * climb;
+    t = foot + fromFoot;
+    if (t > 0 && t < ray.tfar && s >= 0 && s <= cone.length && cone.radius + cone.growth * s >= 0) return true;
+  }
+  return false;
+}
+
+bool hit(const RTCRay& ray, const FloatSphere& sphere, float& t) {
+  return hitSphere(ray, sphere, t);
+}
+bool hit(const RTCRay& ray, const FloatCone& cone, float& t) {
+  return hitCone(ray, cone, t);
+}
+
+void bound(const FloatSphere& sphere, RTCBounds& bounds) {
   const vec3 lo = sphere.center - std::abs(sphere.radius), hi = sphere.center + std::abs(sphere.radius);
-  *arguments->bounds_o = {lo.x, lo.y, lo.z, 0, hi.x, hi.y, hi.z, 0};
+  bounds = {lo.x, lo.y, lo.z, 0, hi.x, hi.y, hi.z, 0};
+}
+void bound(const FloatCone& cone, RTCBounds& bounds) {
+  // Of a circle: its radius times sqrt(1 - a_k^2); and a few roundings.
+  const vec3 reach = glm::sqrt(glm::max(vec3(0), 1.0f - cone.axis * cone.axis)),
+             apex = cone.base + cone.length * cone.axis;
+  const float apexRadius = cone.radius + cone.growth * cone.length;
+  const vec3 slack = 0x1p-20f * (glm::abs(cone.base) + cone.length + cone.radius + apexRadius);
+  const vec3 lo = glm::min(cone.base - cone.radius * reach, apex - apexRadius * reach) - slack;
+  const vec3 hi = glm::max(cone.base + cone.radius * reach, apex + apexRadius * reach) + slack;
+  bounds = {lo.x, lo.y, lo.z, 0, hi.x, hi.y, hi.z, 0};
 }
 
-// Embree hands a single ray over in the layout of RTCRayHit or RTCRay.
-void intersectSphere(const RTCIntersectFunctionNArguments* arguments) {
+// Spheres and cones are geometry of ours. Embree hands a single ray over in the layout of RTCRayHit or RTCRay.
+template <class Primitive>
+const Primitive& primitiveOf(const void* primitives, unsigned number) {
+  return static_cast<const Primitive*>(primitives)[number];
+}
+
+template <class Primitive>
+void boundPrimitive(const RTCBoundsFunctionArguments* arguments) {
+  bound(primitiveOf<Primitive>(arguments->geometryUserPtr, arguments->primID), *arguments->bounds_o);
+}
+
+template <class Primitive, unsigned kGeometry>
+void intersectPrimitive(const RTCIntersectFunctionNArguments* arguments) {
   if (!arguments->valid[0]) return;
   auto& query = *reinterpret_cast<RTCRayHit*>(arguments->rayhit);
   float t;
-  if (!hitSphere(query.ray, sphereOf(arguments->geometryUserPtr, arguments->primID), t)) return;
+  if (!hit(query.ray, primitiveOf<Primitive>(arguments->geometryUserPtr, arguments->primID), t)) return;
   query.ray.tfar = t;
-  query.hit.geomID = kSpheres;
+  query.hit.geomID = kGeometry;
   query.hit.primID = arguments->primID;
 }
 
-void occludeBySphere(const RTCOccludedFunctionNArguments* arguments) {
+template <class Primitive>
+void occludeByPrimitive(const RTCOccludedFunctionNArguments* arguments) {
   if (!arguments->valid[0]) return;
   auto& ray = *reinterpret_cast<RTCRay*>(arguments->ray);
   float t;
-  if (hitSphere(ray, sphereOf(arguments->geometryUserPtr, arguments->primID), t))
+  if (hit(ray, primitiveOf<Primitive>(arguments->geometryUserPtr, arguments->primID), t))
     ray.tfar = -std::numeric_limits<float>::infinity();
 }
 
-// `spheres` must outlive the scene.
-void attachSpheres(RTCDevice device, RTCScene scene, std::vector<FloatSphere>& spheres) {
-  if (spheres.empty()) return;
+// `primitives` must outlive the scene.
+template <class Primitive, unsigned kGeometry>
+void attachPrimitives(RTCDevice device, RTCScene scene, std::vector<Primitive>& primitives) {
+  if (primitives.empty()) return;
   const GeometryHandle geometry(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER));
-  rtcSetGeometryUserPrimitiveCount(geometry.get(), unsigned(spheres.size()));
-  rtcSetGeometryUserData(geometry.get(), spheres.data());
-  rtcSetGeometryBoundsFunction(geometry.get(), boundSphere, nullptr);
-  rtcSetGeometryIntersectFunction(geometry.get(), intersectSphere);
-  rtcSetGeometryOccludedFunction(geometry.get(), occludeBySphere);
-  attach(device, scene, geometry.get(), kSpheres);
+  rtcSetGeometryUserPrimitiveCount(geometry.get(), unsigned(primitives.size()));
+  rtcSetGeometryUserData(geometry.get(), primitives.data());
+  rtcSetGeometryBoundsFunction(geometry.get(), boundPrimitive<Primitive>, nullptr);
+  rtcSetGeometryIntersectFunction(geometry.get(), intersectPrimitive<Primitive, kGeometry>);
+  rtcSetGeometryOccludedFunction(geometry.get(), occludeByPrimitive<Primitive>);
+  attach(device, scene, geometry.get(), kGeometry);
 }
 
 // What a triangle's number leads to besides its corners, which Embree has.
@@ -206,6 +273,7 @@ struct Shading {
   std::vector<FloatMaterial> materials;
   std::vector<FloatLight> lights;
   std::vector<FloatSphere> spheres;
+  std::vector<FloatCone> cones;
   std::vector<TriangleTags> triangles;
   std::vector<std::array<vec3, 3>> normals;
 };
@@ -230,6 +298,8 @@ Shading::Shading(const Scene& local) : background(local.background) {
   spheres.reserve(local.spheres.size());
   for (const Sphere& sphere : local.spheres)
     spheres.push_back({vec3(sphere.center), float(sphere.radius), sphere.material});
+  cones.reserve(local.cones.size());
+  for (const Cone& cone : local.cones) cones.push_back(floatCone(cone));
   triangles.reserve(local.triangles.size());
   for (const Triangle& triangle : local.triangles) triangles.push_back({triangle.material, triangle.normals});
   normals.reserve(local.normals.size());
@@ -327,6 +397,18 @@ class Tracer {
       surface.margin = 0x1p-20f * (largest(glm::abs(sphere.center)) + radius);
       surface.Ng = surface.Ns = sphere.radius < 0 ? -outward : outward;
       surface.material = &shading_.materials[sphere.material];
+    } else if (query.hit.geomID == kCones) {
+      const FloatCone& cone = shading_.cones[query.hit.primID];
+      const vec3 p = surface.point - cone.base;
+      const float height = glm::dot(p, cone.axis);
+      const vec3 across = p - height * cone.axis;
+      const float distance = glm::length(across);
+      const vec3 outward = glm::normalize(across / distance - cone.growth * cone.axis);
+      surface.point +=
+          (cone.radius + cone.growth * height - distance) / std::sqrt(1 + cone.growth * cone.growth) * outward;
+      surface.margin = 0x1p-20f * (largest(glm::abs(cone.base)) + cone.length + distance);
+      surface.Ng = surface.Ns = cone.inward ? -outward : outward;
+      surface.material = &shading_.materials[cone.material];
     } else {
       const TriangleTags& tags = shading_.triangles[query.hit.primID];
       surface.Ng = surface.Ns = glm::normalize(vec3(query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z));
@@ -428,7 +510,8 @@ struct EmbreeTracer::Parts {
     scene.reset(rtcNewScene(device.get()));
     throwIfFailed(device.get(), "rtcNewScene");
     attachTriangles(device.get(), scene.get(), local.triangles);
-    attachSpheres(device.get(), scene.get(), shading.spheres);
+    attachPrimitives<FloatSphere, kSpheres>(device.get(), scene.get(), shading.spheres);
+    attachPrimitives<FloatCone, kCones>(device.get(), scene.get(), shading.cones);
     const Clock::time_point start = Clock::now();
     rtcCommitScene(scene.get());
     commitSeconds = std::chrono::duration<double>(Clock::now() - start).count();
@@ -442,7 +525,7 @@ struct EmbreeTracer::Parts {
 
   Camera camera;
   std::atomic<std::ptrdiff_t> bytes{0};  // outlives the device, which counts to its end
-  Shading shading;                       // Embree's scene reads its spheres
+  Shading shading;                       // Embree's scene reads its spheres and cones
   DeviceHandle device;
   SceneHandle scene;
   double commitSeconds = 0;
@@ -455,7 +538,8 @@ double EmbreeTracer::commitSeconds() const {
   return parts_->commitSeconds;
 }
 size_t EmbreeTracer::bytes() const {
-  return size_t(parts_->bytes.load()) + parts_->shading.spheres.size() * sizeof(FloatSphere);
+  return size_t(parts_->bytes.load()) + parts_->shading.spheres.size() * sizeof(FloatSphere) +
+         parts_->shading.cones.size() * sizeof(FloatCone);
 }
 
 EmbreePicture EmbreeTracer::render(const RenderSettings& settings) const {

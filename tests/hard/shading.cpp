@@ -568,8 +568,8 @@ Scene ours(const std::string& name) {
   return loadScene(std::string(TURNER_SCENES_DIR "/") + name + ".json");
 }
 
-const std::vector<std::string> kOurs = {"blinn_phong", "cliff_hanger", "deep_glass", "diffuse", "glass",
-                                        "mirrors",     "shadows",      "spheres",    "spot",    "triangles"};
+const std::vector<std::string> kOurs = {"blinn_phong", "cliff_hanger", "cones",   "deep_glass", "diffuse",  "glass",
+                                        "mirrors",     "shadows",      "spheres", "spot",       "triangles"};
 
 // The same scene in another unit of length, or elsewhere: in double.
 Scene changed(Scene scene, double scale, const dvec3& shift) {
@@ -583,6 +583,12 @@ Scene changed(Scene scene, double scale, const dvec3& shift) {
   for (Sphere& sphere : scene.spheres) {
     change(sphere.center);
     sphere.radius *= scale;
+  }
+  for (Cone& cone : scene.cones) {
+    change(cone.base);
+    change(cone.apex);
+    cone.baseRadius *= scale;
+    cone.apexRadius *= scale;
   }
   for (Triangle& triangle : scene.triangles)
     for (dvec3& vertex : triangle.vertices) change(vertex);
@@ -619,6 +625,7 @@ Scene roundedWhereItIs(Scene scene) {
   round(scene.camera.target);
   for (Light& light : scene.lights) round(light.position);
   for (Sphere& sphere : scene.spheres) round(sphere.center);
+  for (Cone& cone : scene.cones) round(cone.base), round(cone.apex);
   for (Triangle& triangle : scene.triangles)
     for (dvec3& vertex : triangle.vertices) round(vertex);
   return scene;

@@ -55,8 +55,9 @@ TEST(Render, DoesNotDependOnTilesOrWorkGroups) {
 }
 
 TEST(Render, DoesNotDependOnWhereItIsInterrupted) {
-  // spot's rays meet nodes, those of glass have waiting rays, those of nested_glass carry solids.
-  for (const char* name : {"spot", "glass", "nested_glass"}) {
+  // spot's rays meet nodes, those of glass have waiting rays, those of nested_glass carry solids, those of cones have
+  // lists in three parts.
+  for (const char* name : {"spot", "glass", "nested_glass", "cones"}) {
     const Scene scene = ours(name);
     RenderSettings settings = settingsOf(scene, 64, 64);
     settings.crop = {24, 24, 48, 48};
@@ -154,7 +155,7 @@ TEST_P(AllScenes, DoNotDependOnListsOrFetching) {
 
 INSTANTIATE_TEST_SUITE_P(Render, AllScenes,
                          testing::Values("spheres", "shadows", "mirrors", "glass", "blinn_phong", "triangles",
-                                         "cliff_hanger", "deep_glass", "nested_glass", "planet", "spot"),
+                                         "cliff_hanger", "deep_glass", "nested_glass", "planet", "spot", "cones"),
                          [](const auto& test) { return test.param; });
 
 // Of two coincident primitives the one that stands first in the scene is seen, wherever the tree puts them.
@@ -269,7 +270,7 @@ TEST_P(OurScenes, AgreeWithTheReference) {
 
 INSTANTIATE_TEST_SUITE_P(Render, OurScenes,
                          testing::Values("spheres", "diffuse", "shadows", "mirrors", "glass", "blinn_phong",
-                                         "triangles", "cliff_hanger", "nested_glass", "planet", "spot"),
+                                         "triangles", "cliff_hanger", "nested_glass", "planet", "spot", "cones"),
                          [](const auto& test) { return test.param; });
 
 // Twenty touching glass spheres, sixteen levels deep: at most 2^16 rays for a pixel, and nothing is cut.
