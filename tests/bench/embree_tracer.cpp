@@ -106,7 +106,8 @@ void attach(RTCDevice device, RTCScene scene, RTCGeometry geometry, unsigned num
 }
 
 // Three vertices for each triangle: Embree copies them into its leaves, so that sharing would make no ray faster.
-void attachTriangles(RTCDevice device, RTCScene scene, const std::vector<Triangle>& triangles) {
+void attachTriangles(RTCDevice device, RTCScene scene, const Scene& local) {
+  const std::vector<Triangle>& triangles = local.triangles;
   if (triangles.empty()) return;
   const GeometryHandle geometry(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE));
   using Corners = std::array<uint32_t, 3>;
@@ -114,7 +115,7 @@ void attachTriangles(RTCDevice device, RTCScene scene, const std::vector<Triangl
                                                  3 * triangles.size());
   auto* corners = newBuffer<Corners>(device, geometry.get(), RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3, triangles.size());
   for (uint32_t i = 0; i < triangles.size(); ++i) {
-    for (const glm::dvec3& v : triangles[i].vertices) *vertex++ = {float(v.x), float(v.y), float(v.z)};
+    for (const glm::dvec3& v : local.cornersOf(i)) *vertex++ = {float(v.x), float(v.y), float(v.z)};
     corners[i] = {3 * i, 3 * i + 1, 3 * i + 2};
   }
   attach(device, scene, geometry.get(), kTriangles);
@@ -231,9 +232,12 @@ Shading::Shading(const Scene& local) : background(local.background) {
   for (const Sphere& sphere : local.spheres)
     spheres.push_back({vec3(sphere.center), float(sphere.radius), sphere.material});
   triangles.reserve(local.triangles.size());
-  for (const Triangle& triangle : local.triangles) triangles.push_back({triangle.material, triangle.normals});
-  normals.reserve(local.normals.size());
-  for (const auto& [a, b, c] : local.normals) normals.push_back({vec3(a), vec3(b), vec3(c)});
+  for (const Triangle& triangle : local.triangles) {
+    triangles.push_back({triangle.material, triangle.isSmooth() ? uint32_t(normals.size()) : kNoNormals});
+    if (!triangle.isSmooth()) continue;
+    const auto [a, b, c] = local.normalsOf(triangle);
+    normals.push_back({vec3(a), vec3(b), vec3(c)});
+  }
 }
 
 // ---- One ray ----
@@ -427,7 +431,7 @@ struct EmbreeTracer::Parts {
     rtcSetDeviceMemoryMonitorFunction(device.get(), countBytes, &bytes);
     scene.reset(rtcNewScene(device.get()));
     throwIfFailed(device.get(), "rtcNewScene");
-    attachTriangles(device.get(), scene.get(), local.triangles);
+    attachTriangles(device.get(), scene.get(), local);
     attachSpheres(device.get(), scene.get(), shading.spheres);
     const Clock::time_point start = Clock::now();
     rtcCommitScene(scene.get());

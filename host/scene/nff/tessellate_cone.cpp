@@ -77,13 +77,12 @@ void tessellateCone(const Cone& cone, uint32_t material, Scene& scene) {
     const glm::dvec3 direction = cosine * e1 + sine * e2;
     return Ray{direction, outwards * direction + along * axis};
   };
-  const auto add = [&](std::array<glm::dvec3, 3> vertices, std::array<glm::dvec3, 3> normals) {
+  const auto add = [&](TriangleCorners vertices, TriangleCorners normals) {
     if (inward) {
       std::swap(vertices[1], vertices[2]);
       std::swap(normals[1], normals[2]);
     }
-    scene.triangles.push_back({vertices, material, uint32_t(scene.normals.size())});
-    scene.normals.push_back(normals);
+    scene.addTriangle(vertices, normals, material);
   };
 
   const int pieces = piecesOf(cone);

@@ -76,11 +76,11 @@ TEST(Nff, EveryEntityIsRead) {
   EXPECT_EQ(scene.spheres[1].radius, -2);
   EXPECT_EQ(scene.spheres[1].material, 1u);
   ASSERT_EQ(scene.triangles.size(), 2u);
-  EXPECT_EQ(scene.triangles[0].normals, kNoNormals);
-  EXPECT_EQ(scene.triangles[0].vertices[1], glm::dvec3(1, 0, 0));
-  ASSERT_EQ(scene.triangles[1].normals, 0u);
-  EXPECT_EQ(scene.normals[0][1], glm::dvec3(0, 0, 2));
-  EXPECT_EQ(scene.normals[0][2], glm::dvec3(0, 1, 1));
+  EXPECT_FALSE(scene.triangles[0].isSmooth());
+  EXPECT_EQ(scene.cornersOf(0)[1], glm::dvec3(1, 0, 0));
+  ASSERT_TRUE(scene.triangles[1].isSmooth());
+  EXPECT_EQ(scene.normalsOf(1)[1], glm::dvec3(0, 0, 2));
+  EXPECT_EQ(scene.normalsOf(1)[2], glm::dvec3(0, 1, 1));
   EXPECT_TRUE(scene.notes.empty());
 }
 
@@ -144,12 +144,22 @@ TEST(Nff, ConcavePolygonOf144CornersBecomes142Triangles) {
   ASSERT_EQ(scene.triangles.size(), 142u);
   double sum = 0;
   for (const Triangle& triangle : scene.triangles) {
-    const auto& [a, b, c] = triangle.vertices;
+    const auto [a, b, c] = scene.cornersOf(triangle);
     const double twiceArea = glm::cross(b - a, c - a).z;
     EXPECT_GT(twiceArea, 0);
     sum += twiceArea;
   }
   EXPECT_NEAR(sum, outline, 1e-13);
+}
+
+TEST(Nff, TrianglesOfAPolygonShareItsCorners) {
+  const Scene scene =
+      parse(kMaterial + "p 3\n0 0 0\n1 0 0\n0 1 0\npp 4\n0 0 0 0 0 1\n1 0 0 0 0 1\n1 1 0 0 0 2\n" + "0 1 0 0 0 1\n");
+  ASSERT_EQ(scene.triangles.size(), 3u);
+  EXPECT_EQ(scene.positions.size(), 7u);
+  EXPECT_EQ(scene.normals.size(), 4u);
+  for (size_t i = 1; i < 3; ++i)
+    for (size_t k = 0; k < 3; ++k) EXPECT_EQ(scene.triangles[i].positions[k], scene.triangles[i].normals[k] + 3);
 }
 
 TEST(Nff, PolygonsWithoutAreaAreDroppedAndCounted) {
@@ -174,12 +184,13 @@ void checkCone(const glm::dvec3& axis, double baseRadius, double apexRadius) {
   ASSERT_EQ(scene.triangles.size(), size_t(2 * pieces - stripsAtATip) * nff::kConeSegments);
   double area = 0;
   for (const Triangle& triangle : scene.triangles) {
-    ASSERT_LT(triangle.normals, scene.normals.size());
-    const auto& [a, b, c] = triangle.vertices;
+    ASSERT_TRUE(triangle.isSmooth());
+    const TriangleCorners corners = scene.cornersOf(triangle), normals = scene.normalsOf(triangle);
+    const auto& [a, b, c] = corners;
     const glm::dvec3 areaVector = glm::cross(b - a, c - a) / 2.0;
     area += glm::length(areaVector);
     for (int k = 0; k < 3; ++k) {
-      const glm::dvec3 vertex = triangle.vertices[k], normal = scene.normals[triangle.normals][k];
+      const glm::dvec3 vertex = corners[size_t(k)], normal = normals[size_t(k)];
       // On one of the rims: those of base and apex, and as many between them as the pieces need.
       const double rim = std::round(glm::dot(vertex, axis) / (length * length) * pieces), height = rim / pieces;
       const glm::dvec3 spoke = vertex - height * axis;
@@ -220,7 +231,7 @@ TEST(Nff, ConesHaveExactRimsAndNormals) {
 TEST(Nff, ConesMayStandOnThreeLines) {
   const Scene one = parse(kMaterial + "c 0 -1 0 1 0 1 0 0.5\n"), three = parse(kMaterial + "c\n0 -1 0 1\n0 1 0 0.5\n");
   ASSERT_EQ(one.triangles.size(), three.triangles.size());
-  for (size_t i = 0; i < one.triangles.size(); ++i) EXPECT_EQ(one.triangles[i].vertices, three.triangles[i].vertices);
+  for (size_t i = 0; i < one.triangles.size(); ++i) EXPECT_EQ(one.cornersOf(i), three.cornersOf(i));
   expectFault(kMaterial + "c\n0 -1 0 1\n", "2:1", "the file ends inside this cone");
   expectFault(kMaterial + "c\n0 -1 0 1\ns 0 0 0 1\n", "4:1", "where an end of the cone should stand");
 }
@@ -230,13 +241,14 @@ TEST(Nff, ConesCloseWithoutGaps) {
   // Every edge but those of the two rims is shared by two triangles, to the last bit.
   size_t single = 0;
   const auto same = [](const glm::dvec3& a, const glm::dvec3& b) { return a == b; };
-  for (const Triangle& t : scene.triangles) {
-    for (int k = 0; k < 3; ++k) {
+  for (size_t i = 0; i < scene.triangles.size(); ++i) {
+    const TriangleCorners t = scene.cornersOf(i);
+    for (size_t k = 0; k < 3; ++k) {
       int partners = 0;
-      for (const Triangle& other : scene.triangles) {
-        for (int m = 0; m < 3; ++m) {
-          partners +=
-              same(t.vertices[k], other.vertices[(m + 1) % 3]) && same(t.vertices[(k + 1) % 3], other.vertices[m]);
+      for (size_t j = 0; j < scene.triangles.size(); ++j) {
+        const TriangleCorners other = scene.cornersOf(j);
+        for (size_t m = 0; m < 3; ++m) {
+          partners += same(t[k], other[(m + 1) % 3]) && same(t[(k + 1) % 3], other[m]);
         }
       }
       EXPECT_LE(partners, 1);
@@ -415,7 +427,9 @@ TEST(Nff, SpdScenesHaveTheirPublishedCounts) {
     EXPECT_EQ(parsed.scene.lights.size(), expected.lights);
     EXPECT_EQ(parsed.scene.spheres.size(), expected.spheres);
     EXPECT_EQ(parsed.scene.triangles.size(), expected.triangles);
-    EXPECT_EQ(parsed.scene.normals.size(), expected.smooth);
+    EXPECT_EQ(std::count_if(parsed.scene.triangles.begin(), parsed.scene.triangles.end(),
+                            [](const Triangle& triangle) { return triangle.isSmooth(); }),
+              std::ptrdiff_t(expected.smooth));
     EXPECT_TRUE(parsed.scene.notes.empty());
   }
 }
