@@ -32,8 +32,9 @@ class Flattener {
   Flattener(std::span<const Box> boxes, const KindStarts& kinds, const BvhLimits& limits)
       : boxes_(boxes), kinds_(kinds), limits_(limits) {
     reservePrefaulted(bvh_.order, boxes.size());
-    reservePrefaulted(bvh_.nodes,
-                      boxes.size() / 2 + boxes.size() / 8);  // Embree makes about half as many nodes as boxes
+    // Embree makes about a third as many nodes as boxes; what is not prefaulted takes no memory until it is written.
+    bvh_.nodes.reserve(boxes.size() / 2 + boxes.size() / 8);
+    prefault(bvh_.nodes.data(), boxes.size() / 3 * sizeof(Bvh::Node));
   }
 
   // A node whose children are written by the two functions, which return BvhChild and take their depth.

@@ -115,9 +115,9 @@ class CellListBuilder {
   }
 
   void narrow(const TrianglePair& pair, const Box& box, Projection&, OuterEdges& edges) const {
-    const std::vector<Triangle>& triangles = tree_.prepared.scene.triangles;
-    const auto& [a, b, c] = triangles[pair.first].vertices;
-    face_.projectEdges({a, b, c, pair.isAlone() ? b : triangles[pair.second].vertices[0]}, box, edges);
+    const Scene& scene = tree_.prepared.scene;
+    const auto [a, b, c] = scene.cornersOf(pair.first);
+    face_.projectEdges({a, b, c, pair.isAlone() ? b : scene.cornersOf(pair.second)[0]}, box, edges);
   }
 
   // Replaces nodes at the pool's end, from `first` on, by their children where `excess` is positive, those where it is

@@ -20,9 +20,9 @@ bool hasGlass(const Scene& scene) {
 }
 
 double facing(const Scene& scene, const Triangle& triangle) {
-  if (triangle.normals == kNoNormals) return 1;
-  const auto& [a, b, c] = triangle.vertices;
-  const auto& n = scene.normals[triangle.normals];
+  if (!triangle.isSmooth()) return 1;
+  const auto [a, b, c] = scene.cornersOf(triangle);
+  const TriangleCorners n = scene.normalsOf(triangle);
   return glm::dot(glm::cross(b - a, c - a), n[0] + n[1] + n[2]) < 0 ? -1 : 1;
 }
 
@@ -42,7 +42,7 @@ double windingNumber(const Scene& scene, const Surface& surface, const dvec3& p)
   // Solid angles: Van Oosterom and Strackee, IEEE Transactions on Biomedical Engineering 30(2), 1983.
   double angle = 0;
   for (const uint32_t i : surface.triangles) {
-    const auto& v = scene.triangles[i].vertices;
+    const TriangleCorners v = scene.cornersOf(i);
     const dvec3 a = v[0] - p, b = v[1] - p, c = v[2] - p;
     const double la = glm::length(a), lb = glm::length(b), lc = glm::length(c);
     angle += facing(scene, scene.triangles[i]) * 2 *

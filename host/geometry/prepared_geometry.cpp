@@ -20,16 +20,21 @@ double halfArea(const Bounds& bounds) {
 
 // Whether all but their geometry allows two triangles to be a pair.
 bool areAlike(const Triangle& first, const Triangle& second) {
-  return first.material == second.material && (first.normals == kNoNormals) == (second.normals == kNoNormals);
+  return first.material == second.material && first.isSmooth() == second.isSmooth();
 }
 
 // The edge that two triangles share, by the vertices opposite it. Both must go counter-clockwise on the same side, so
 // that each has the edge in its own direction. False if there is none; it hardly matters which where there are several.
-bool sharesEdge(const Triangle& first, const Triangle& second, int& firstOpposite, int& secondOpposite) {
+bool sharesEdge(const Scene& scene, const Triangle& first, const Triangle& second, int& firstOpposite,
+                int& secondOpposite) {
+  // Files may repeat a vertex, under another index.
+  const auto isSame = [&](int i, int j) {
+    const uint32_t a = first.positions[size_t(i % 3)], b = second.positions[size_t(j % 3)];
+    return a == b || scene.positions[a] == scene.positions[b];
+  };
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) {
-      if (first.vertices[size_t((i + 1) % 3)] != second.vertices[size_t((j + 2) % 3)]) continue;
-      if (first.vertices[size_t((i + 2) % 3)] != second.vertices[size_t((j + 1) % 3)]) continue;
+      if (!isSame(i + 1, j + 2) || !isSame(i + 2, j + 1)) continue;
       firstOpposite = i;
       secondOpposite = j;
       return true;
@@ -38,11 +43,9 @@ bool sharesEdge(const Triangle& first, const Triangle& second, int& firstOpposit
 }
 
 // Turns the corners of a triangle, in their cyclic order, until this one is the first.
-void turnTo(Scene& scene, Triangle& triangle, int corner) {
-  std::rotate(triangle.vertices.begin(), triangle.vertices.begin() + corner, triangle.vertices.end());
-  if (triangle.normals == kNoNormals) return;
-  std::array<glm::dvec3, 3>& normals = scene.normals[triangle.normals];
-  std::rotate(normals.begin(), normals.begin() + corner, normals.end());
+void turnTo(Triangle& triangle, int corner) {
+  std::rotate(triangle.positions.begin(), triangle.positions.begin() + corner, triangle.positions.end());
+  std::rotate(triangle.normals.begin(), triangle.normals.begin() + corner, triangle.normals.end());
 }
 
 constexpr size_t kReach = 16;       // how far behind a triangle its partner may stand
@@ -56,7 +59,7 @@ std::vector<TrianglePair> pairPiece(Scene& scene, size_t begin, size_t end) {
   for (size_t i = begin; i < end; ++i) {
     if (taken[i - begin]) continue;
     Triangle& first = scene.triangles[i];
-    const Bounds bounds = boundsOf(first);
+    const Bounds bounds = boundsOf(scene, first);
     // The kernel's work on a pair is that on one triangle, for every ray that comes near: the common box must be
     // entered less often than both boxes would be. By a tenth at least: that keeps a tiny triangle out of the box of a
     // large one, from afar in which its areas round to 0 and tell nothing.
@@ -66,9 +69,9 @@ std::vector<TrianglePair> pairPiece(Scene& scene, size_t begin, size_t end) {
     for (size_t j = i + 1; j < std::min(end, i + 1 + kReach) && leastGrowth > 0.6; ++j) {
       int opposite[2];
       if (taken[j - begin] || !areAlike(first, scene.triangles[j]) ||
-          !sharesEdge(first, scene.triangles[j], opposite[0], opposite[1]))
+          !sharesEdge(scene, first, scene.triangles[j], opposite[0], opposite[1]))
         continue;
-      const Bounds other = boundsOf(scene.triangles[j]);
+      const Bounds other = boundsOf(scene, scene.triangles[j]);
       const double growth = halfArea(bounds.united(other)) / (halfArea(bounds) + halfArea(other));
       if (!(growth < leastGrowth)) continue;
       leastGrowth = growth;
@@ -77,8 +80,8 @@ std::vector<TrianglePair> pairPiece(Scene& scene, size_t begin, size_t end) {
     }
     if (!pair.isAlone()) {
       taken[pair.second - begin] = true;
-      turnTo(scene, first, corners[0]);
-      turnTo(scene, scene.triangles[pair.second], corners[1]);
+      turnTo(first, corners[0]);
+      turnTo(scene.triangles[pair.second], corners[1]);
     }
     pairs.push_back(pair);
   }
@@ -99,8 +102,8 @@ void giveMediaMaterials(PreparedGeometry& prepared) {
       Triangle& triangle = scene.triangles[i];
       triangle.material = prepared.firstMedium + solid;
       if (facing(scene, triangle) > 0) continue;
-      std::swap(triangle.vertices[1], triangle.vertices[2]);
-      std::swap(scene.normals[triangle.normals][1], scene.normals[triangle.normals][2]);
+      std::swap(triangle.positions[1], triangle.positions[2]);
+      std::swap(triangle.normals[1], triangle.normals[2]);
     }
 }
 
@@ -129,13 +132,9 @@ glm::vec3 roundedUp(const glm::dvec3& v) {
   return -roundedDown(-v);
 }
 
-template <class Primitive>
-Bounds boundsOf(const Scene&, const Primitive& primitive) {
-  return boundsOf(primitive);
-}
 Bounds boundsOf(const Scene& scene, const TrianglePair& pair) {
-  const Bounds first = boundsOf(scene.triangles[pair.first]);
-  return pair.isAlone() ? first : first.united(boundsOf(scene.triangles[pair.second]));
+  const Bounds first = boundsOf(scene, scene.triangles[pair.first]);
+  return pair.isAlone() ? first : first.united(boundsOf(scene, scene.triangles[pair.second]));
 }
 
 std::vector<Box> paddedBoxes(const PreparedGeometry& prepared) {

@@ -13,8 +13,8 @@
 namespace turner {
 
 struct PreparedGeometry {
-  // From roundScene. The vertices of the triangles of a pair, and their normals, are turned so that the shared edge
-  // lies between the second and the third vertex of both, in opposite directions. Behind the materials stands one for
+  // From roundScene. The corners of the triangles of a pair are turned so that the shared edge lies between the second
+  // and the third vertex of both, in opposite directions. Behind the materials stands one for
   // each of `solids`, which its primitives have instead of the scene's.
   Scene scene;
   NestedDielectrics dielectrics;    // that overlap or touch

@@ -35,9 +35,8 @@ Scene roundScene(Scene scene) {
   Scene::visitPrimitives(local, [&](const char*, auto& primitives) {
     forAll(primitives.size(), [&](size_t i) { primitives[i] = toLocal(primitives[i], frame); });
   });
-  forAll(local.normals.size(), [&](size_t i) {
-    for (glm::dvec3& normal : local.normals[i]) normal = rounded(glm::normalize(normal));
-  });
+  forAll(local.positions.size(), [&](size_t i) { local.positions[i] = toLocal(local.positions[i], frame); });
+  forAll(local.normals.size(), [&](size_t i) { local.normals[i] = rounded(glm::normalize(local.normals[i])); });
   return local;
 }
 
@@ -50,7 +49,7 @@ void checkReach(const Scene& local) {
   };
   Scene::visitPrimitives(local, [&](const char* name, const auto& primitives) {
     for (size_t i = 0; i < primitives.size(); ++i)
-      if (!isWithinReach(primitives[i])) refuse(name, i);
+      if (!isWithinReach(local, primitives[i])) refuse(name, i);
   });
   constexpr double kLight = 1e15;
   for (size_t i = 0; i < local.lights.size(); ++i)

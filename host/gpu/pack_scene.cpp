@@ -37,7 +37,7 @@ Features featuresOf(const Scene& scene) {
     features.steepCones |= slopeOf(cone) > 0.7071;
     features.farCones |= isFarFromEye(cone);
   }
-  for (const Triangle& triangle : scene.triangles) features.smoothNormals |= triangle.normals != kNoNormals;
+  for (const Triangle& triangle : scene.triangles) features.smoothNormals |= triangle.isSmooth();
   for (const Light& light : scene.lights) features.falloff |= light.falloff != Falloff::none;
 
   std::vector<bool> used(scene.materials.size());
@@ -79,7 +79,7 @@ Footprint footprintOf(const Scene&, const Cone&) {
   return {gpu::kRefCone, gpu::kConeUnits};
 }
 Footprint footprintOf(const Scene& scene, const TrianglePair& pair) {
-  const bool isSmooth = scene.triangles[pair.first].normals != kNoNormals;
+  const bool isSmooth = scene.triangles[pair.first].isSmooth();
   return {gpu::kRefTriangle, gpu::kPairUnits, isSmooth ? (pair.isAlone() ? 1u : 2u) : 0u};
 }
 
@@ -162,31 +162,36 @@ class ElementPacker {
     std::memcpy(&packed_.primitives[gpu::kUnitWords * size_t(unit)], &structure, sizeof structure);
   }
 
+  // The tie-break rank; without glass, the id.
+  uint rankOf(uint id) const { return ranks_.empty() ? id : ranks_[id]; }
+
   // The i-th of the leaves' order.
   void pack(size_t i, const Sphere& sphere) {
     const uint id = bvh_.order[i];
     const auto near = std::lower_bound(nearSpheres_.begin(), nearSpheres_.end(), id);
-    if (near == nearSpheres_.end() || *near != id) return put(i, packSphere(sphere, ranks_[id]));
+    if (near == nearSpheres_.end() || *near != id) return put(i, packSphere(sphere, rankOf(id)));
     const uint materials = gpu::kMaterialWords * uint(prepared_.scene.materials.size());
-    put(i, packNearSphere(sphere, ranks_[id], materials + uint(near - nearSpheres_.begin())));
+    put(i, packNearSphere(sphere, rankOf(id), materials + uint(near - nearSpheres_.begin())));
   }
 
-  void pack(size_t i, const Cone& cone) { put(i, packCone(cone, ranks_[bvh_.order[i]])); }
+  void pack(size_t i, const Cone& cone) { put(i, packCone(cone, rankOf(bvh_.order[i]))); }
 
   void pack(size_t i, const TrianglePair& pair) {
-    const std::vector<Triangle>& triangles = prepared_.scene.triangles;
-    const uint* const ranks = &ranks_[prepared_.firstPair()];
-    const Triangle& first = triangles[pair.first];
-    put(i, pair.isAlone() ? packPair(first, ranks[pair.first], nullptr, 0, placement_.normals[i])
-                          : packPair(first, ranks[pair.first], &triangles[pair.second], ranks[pair.second],
-                                     placement_.normals[i]));
-    if (first.normals == kNoNormals) return;
-    packNormals(placement_.normals[i], first);
-    if (!pair.isAlone()) packNormals(placement_.normals[i] + 1, triangles[pair.second]);
+    const Scene& scene = prepared_.scene;
+    const auto rank = [&](uint triangle) { return rankOf(uint(prepared_.firstPair()) + triangle); };
+    const Triangle &first = scene.triangles[pair.first],
+                   &second = scene.triangles[pair.isAlone() ? pair.first : pair.second];
+    const TriangleCorners corners = scene.cornersOf(first), others = scene.cornersOf(second);
+    const uint normals = first.isSmooth() ? placement_.normals[i] : gpu::kRefNone;
+    put(i, pair.isAlone() ? packPair(corners, rank(pair.first), nullptr, 0, first.material, normals)
+                          : packPair(corners, rank(pair.first), &others, rank(pair.second), first.material, normals));
+    if (!first.isSmooth()) return;
+    packNormals(normals, first);
+    if (!pair.isAlone()) packNormals(normals + 1, second);
   }
 
   void packNormals(size_t to, const Triangle& triangle) {
-    const auto& [a, b, c] = prepared_.scene.normals[triangle.normals];
+    const auto [a, b, c] = prepared_.scene.normalsOf(triangle);
     packed_.vertexNormals[to] = {toVec3(a), 0, toVec3(b), 0, toVec3(c), 0};
   }
 
@@ -194,7 +199,7 @@ class ElementPacker {
   const Bvh& bvh_;
   const Placement& placement_;
   const std::span<const uint> nearSpheres_;
-  const std::vector<uint> ranks_ = tieBreakRanks(prepared_);
+  const std::vector<uint> ranks_ = hasGlass(prepared_.scene) ? tieBreakRanks(prepared_) : std::vector<uint>();
   PackedScene& packed_;
 };
 

@@ -19,7 +19,7 @@ struct Plane {
 
 // Nothing where the triangle has no area. The same for all orders of the same vertices but for the sign: coincident
 // triangles are hit at equal distances then, and the lowest id wins.
-std::optional<Plane> planeOf(std::array<glm::dvec3, 3> v) {
+std::optional<Plane> planeOf(TriangleCorners v) {
   const auto less = [](const glm::dvec3& a, const glm::dvec3& b) {
     return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
   };
@@ -37,43 +37,37 @@ std::optional<Plane> planeOf(std::array<glm::dvec3, 3> v) {
 }
 
 // A triangle that rounding has made flat has no plane: it is seen edge-on by every ray and never hit.
-gpu::Plane packPlane(const Triangle& triangle) {
-  const std::optional<Plane> plane = planeOf(triangle.vertices);
+gpu::Plane packPlane(const TriangleCorners& corners) {
+  const std::optional<Plane> plane = planeOf(corners);
   return plane ? gpu::Plane{toVec3(plane->normal), float(plane->offset)} : gpu::Plane{};
 }
 
 }  // namespace
 
-Bounds boundsOf(const Triangle& triangle) {
-  const auto& [a, b, c] = triangle.vertices;
+Bounds boundsOf(const TriangleCorners& corners) {
+  const auto& [a, b, c] = corners;
   return {glm::min(a, glm::min(b, c)), glm::max(a, glm::max(b, c))};
 }
 
-Triangle toLocal(const Triangle& world, const LocalFrame& frame) {
-  Triangle local = world;
-  for (glm::dvec3& vertex : local.vertices) vertex = toLocal(vertex, frame);
-  return local;
+bool isWithinReach(const TriangleCorners& local) {
+  return std::all_of(local.begin(), local.end(),
+                     [](const glm::dvec3& position) { return isWithin(position, kMostLocal); });
 }
 
-bool isWithinReach(const Triangle& local) {
-  return std::all_of(local.vertices.begin(), local.vertices.end(),
-                     [](const glm::dvec3& vertex) { return isWithin(vertex, kMostLocal); });
-}
-
-gpu::TrianglePair packPair(const Triangle& first, uint32_t firstRank, const Triangle* second, uint32_t secondRank,
-                           uint32_t normals) {
-  const auto& [a, b, c] = first.vertices;
+gpu::TrianglePair packPair(const TriangleCorners& first, uint32_t firstRank, const TriangleCorners* second,
+                           uint32_t secondRank, uint32_t material, uint32_t normals) {
+  const auto& [a, b, c] = first;
   gpu::TrianglePair packed{.v0 = toVec3(a),
                            .rank0 = firstRank,
                            .v1 = toVec3(b),
-                           .material = first.material,
+                           .material = material,
                            .v2 = toVec3(c),
-                           .normals = first.normals == kNoNormals ? gpu::kRefNone : normals,
+                           .normals = normals,
                            .v3 = toVec3(b),
                            .rank1 = gpu::kRefNone,
                            .planes = {packPlane(first), {}}};
   if (second) {
-    packed.v3 = toVec3(second->vertices[0]);
+    packed.v3 = toVec3((*second)[0]);
     packed.rank1 = secondRank;
     packed.planes[1] = packPlane(*second);
   }

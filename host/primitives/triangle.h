@@ -17,10 +17,15 @@ struct TrianglePair;
 
 inline constexpr uint32_t kNoNormals = UINT32_MAX;
 
+// Three vertices' positions, or their normals.
+using TriangleCorners = std::array<glm::dvec3, 3>;
+
+// Vertices are shared: what moves one moves it in all its triangles. Scene::cornersOf and normalsOf look them up.
 struct Triangle {
-  std::array<glm::dvec3, 3> vertices;  // counter-clockwise seen from the front
+  std::array<uint32_t, 3> positions{};  // indices into Scene::positions, counter-clockwise seen from the front
+  std::array<uint32_t, 3> normals{kNoNormals, kNoNormals, kNoNormals};  // into Scene::normals; all or none
   uint32_t material = 0;
-  uint32_t normals = kNoNormals;  // index into Scene::normals
+  bool isSmooth() const { return normals[0] != kNoNormals; }
 };
 
 // The kernel tests both triangles of a pair at once, with four vertices and five edges instead of six and six. They
@@ -33,17 +38,19 @@ struct TrianglePair {
   bool isAlone() const { return second == kNone; }
 };
 
-Bounds boundsOf(const Triangle& triangle);
+Bounds boundsOf(const TriangleCorners& corners);
 
-// Rounded to what the kernel computes with.
-Triangle toLocal(const Triangle& world, const LocalFrame& frame);
+// The same: roundScene rounds each position once, for all triangles that share it.
+inline Triangle toLocal(const Triangle& world, const LocalFrame&) {
+  return world;
+}
 
 // Whether float32 can hold it; of a local triangle.
-bool isWithinReach(const Triangle& local);
+bool isWithinReach(const TriangleCorners& local);
 
 // `second`: nullptr where the first is alone. `normals`: where the vertex normals of the first stand in the packed
-// scene.
-gpu::TrianglePair packPair(const Triangle& first, uint32_t firstRank, const Triangle* second, uint32_t secondRank,
-                           uint32_t normals);
+// scene, or kRefNone.
+gpu::TrianglePair packPair(const TriangleCorners& first, uint32_t firstRank, const TriangleCorners* second,
+                           uint32_t secondRank, uint32_t material, uint32_t normals);
 
 }  // namespace turner

@@ -25,9 +25,10 @@ Aggregate::Aggregate(const Scene& itsScene, ReferenceSearch search)
   }
   faceNormals.reserve(scene.triangles.size());
   for (const Triangle& triangle : scene.triangles) {
-    faceNormals.push_back(faceNormal(triangle));
+    const TriangleCorners corners = scene.cornersOf(triangle);
+    faceNormals.push_back(faceNormal(corners));
     boxes.emplace_back();
-    for (const dvec3& vertex : triangle.vertices) boxes.back().include(vertex);
+    for (const dvec3& vertex : corners) boxes.back().include(vertex);
   }
   for (const Box& box : boxes)
     largestCoordinate = std::max({largestCoordinate, largestSize(box.low), largestSize(box.high)});
@@ -63,7 +64,7 @@ double Aggregate::intersect(const Ray& ray, uint32_t primitive) const {
   // A triangle is flat: a ray that starts on it never comes back to it.
   if (startsOnIt) return kFarAway;
   const size_t index = triangleIndex(primitive);
-  return intersectTriangle(ray, scene.triangles[index], faceNormals[index]);
+  return intersectTriangle(ray, scene.cornersOf(index), faceNormals[index]);
 }
 
 // Among coincident primitives the lowest rank is hit: opaque ones, then glass that is no medium, then the media by
@@ -185,22 +186,23 @@ Surface Aggregate::coneSurface(const Ray& ray, const Hit& hit) const {
 Surface Aggregate::triangleSurface(const Ray& ray, const Hit& hit) const {
   const size_t index = triangleIndex(hit.primitive);
   const Triangle& triangle = scene.triangles[index];
+  const TriangleCorners corners = scene.cornersOf(triangle);
   Surface surface;
   surface.Ng = surface.Ns = faceNormals[index];
   // Put the point back on the plane.
   surface.point = ray.origin + hit.t * ray.direction;
-  surface.point -= glm::dot(surface.point - triangle.vertices[0], surface.Ng) * surface.Ng;
+  surface.point -= glm::dot(surface.point - corners[0], surface.Ng) * surface.Ng;
   surface.material = &scene.materials[triangle.material];
   surface.primitive = hit.primitive;
   // The point, its difference to a vertex, the normal and the product with it: each errs by a few roundings of the
   // coordinates.
   double size = largestSize(surface.point);
-  for (const dvec3& vertex : triangle.vertices) size = std::max(size, largestSize(vertex));
+  for (const dvec3& vertex : corners) size = std::max(size, largestSize(vertex));
   surface.errorBound = 16 * kRounding * size;
 
-  if (triangle.normals != kNoNormals) {
-    const auto& normals = scene.normals[triangle.normals];
-    const dvec3 weight = edgeAreas(ray, triangle);
+  if (triangle.isSmooth()) {
+    const TriangleCorners normals = scene.normalsOf(triangle);
+    const dvec3 weight = edgeAreas(ray, corners);
     dvec3 sum(0);
     for (int k = 0; k < 3; ++k) sum += weight[k] / (weight.x + weight.y + weight.z) * glm::normalize(normals[k]);
     if (glm::dot(sum, sum) > 0) surface.Ns = glm::normalize(sum);
@@ -215,10 +217,10 @@ Surface Aggregate::triangleSurface(const Ray& ray, const Hit& hit) const {
 bool Aggregate::entersMedium(const Ray& ray, double t, uint32_t primitive) const {
   if (isSphere(primitive)) return surfaceAt(ray, {t, primitive, {}}).front;
   const size_t index = triangleIndex(primitive);
-  const uint32_t normals = scene.triangles[index].normals;
+  const Triangle& triangle = scene.triangles[index];
   dvec3 front = faceNormals[index];
-  if (normals != kNoNormals) {
-    const auto& n = scene.normals[normals];
+  if (triangle.isSmooth()) {
+    const TriangleCorners n = scene.normalsOf(triangle);
     if (glm::dot(front, n[0] + n[1] + n[2]) < 0) front = -front;
   }
   return glm::dot(front, ray.direction) < 0;

@@ -94,8 +94,23 @@ struct Scene {
   std::vector<Sphere> spheres;
   std::vector<Cone> cones;
   std::vector<Triangle> triangles;
-  std::vector<std::array<glm::dvec3, 3>> normals;  // vertex normals, three for each smooth triangle, its own
-  std::vector<std::string> notes;                  // what the user should be told: no lights, no objects, ...
+  // Of vertices, which triangles share; some may be no triangle's.
+  std::vector<glm::dvec3> positions, normals;
+  std::vector<std::string> notes;  // what the user should be told: no lights, no objects, ...
+
+  TriangleCorners cornersOf(const Triangle& triangle) const { return at(positions, triangle.positions); }
+  TriangleCorners cornersOf(size_t triangle) const { return cornersOf(triangles[triangle]); }
+  // Of a smooth one.
+  TriangleCorners normalsOf(const Triangle& triangle) const { return at(normals, triangle.normals); }
+  TriangleCorners normalsOf(size_t triangle) const { return normalsOf(triangles[triangle]); }
+
+  // A triangle with three vertices of its own.
+  void addTriangle(const TriangleCorners& corners, uint32_t material = 0) {
+    triangles.push_back({.positions = append(positions, corners), .material = material});
+  }
+  void addTriangle(const TriangleCorners& corners, const TriangleCorners& vertexNormals, uint32_t material = 0) {
+    triangles.push_back({append(positions, corners), append(normals, vertexNormals), material});
+  }
 
   // Visits the types of primitives in the order of their ids: visit(name, vector).
   template <class Self, class Visit>
@@ -114,7 +129,34 @@ struct Scene {
     visitPrimitives(*this, [&](const char*, const auto& list) { count += list.size(); });
     return count;
   }
+
+ private:
+  using Indices = std::array<uint32_t, 3>;
+  static TriangleCorners at(const std::vector<glm::dvec3>& values, const Indices& i) {
+    return {values[i[0]], values[i[1]], values[i[2]]};
+  }
+  static Indices append(std::vector<glm::dvec3>& values, const TriangleCorners& corners) {
+    const uint32_t first = uint32_t(values.size());
+    values.insert(values.end(), corners.begin(), corners.end());
+    return {first, first + 1, first + 2};
+  }
 };
+
+// What is asked of all primitives alike; most have no need of their scene.
+template <class Primitive>
+Bounds boundsOf(const Scene&, const Primitive& primitive) {
+  return boundsOf(primitive);
+}
+inline Bounds boundsOf(const Scene& scene, const Triangle& triangle) {
+  return boundsOf(scene.cornersOf(triangle));
+}
+template <class Primitive>
+bool isWithinReach(const Scene&, const Primitive& local) {
+  return isWithinReach(local);
+}
+inline bool isWithinReach(const Scene& scene, const Triangle& local) {
+  return isWithinReach(scene.cornersOf(local));
+}
 
 // The largest values that a scene or the command line may ask for.
 inline constexpr int kMaxDepth = 64;

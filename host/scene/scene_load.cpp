@@ -30,8 +30,8 @@ ParsedScene parseByExtension(const std::string& path) {
 
 // Whether the cross product of two edges vanishes. The edges are brought to about 1 first, by powers of two, so that it
 // does so for the triangle's shape and not because tiny numbers underflow.
-bool hasNoArea(const Triangle& triangle) {
-  const auto& [a, b, c] = triangle.vertices;
+bool hasNoArea(const TriangleCorners& corners) {
+  const auto& [a, b, c] = corners;
   // Whatever is as large as this without that is so with it too.
   constexpr double kFarFromUnderflow = 1e-280;
   const glm::dvec3 size = glm::abs(glm::cross(b - a, c - a));
@@ -46,9 +46,10 @@ bool hasNoArea(const Triangle& triangle) {
   return b == c || glm::cross(scaled(b - a), scaled(c - a)) == glm::dvec3(0);
 }
 
-// Their vertex normals stay behind in Scene::normals, unreferenced.
+// Their vertices stay behind in the scene: others may share them.
 void dropTrianglesWithoutArea(Scene& scene) {
-  const size_t dropped = std::erase_if(scene.triangles, hasNoArea);
+  const size_t dropped =
+      std::erase_if(scene.triangles, [&](const Triangle& triangle) { return hasNoArea(scene.cornersOf(triangle)); });
   if (dropped == 1) scene.notes.push_back("1 triangle without area was dropped");
   if (dropped > 1) scene.notes.push_back(std::to_string(dropped) + " triangles without area were dropped");
 }
@@ -56,7 +57,7 @@ void dropTrianglesWithoutArea(Scene& scene) {
 Bounds boundsOf(const Scene& scene) {
   Bounds bounds;
   Scene::visitPrimitives(scene, [&](const char*, const auto& primitives) {
-    for (const auto& primitive : primitives) bounds.include(boundsOf(primitive));
+    for (const auto& primitive : primitives) bounds.include(boundsOf(scene, primitive));
   });
   return bounds;
 }

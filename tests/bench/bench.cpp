@@ -219,7 +219,7 @@ std::vector<BenchScene> chooseScenes(const Options& options) {
 
 // A mesh on a floor before a camera, under one light.
 Scene sceneAroundMesh(const std::string& path) {
-  const Mesh mesh = parseObj(path, readTextFile(path));
+  Mesh mesh = parseObj(path, readTextFile(path));
   if (mesh.faces.empty()) throw InputError(path + " has no faces");
   Scene scene;
   scene.background = {0.4, 0.5, 0.65};
@@ -227,25 +227,20 @@ Scene sceneAroundMesh(const std::string& path) {
                      {.name = "mesh", .diffuse = {0.7, 0.62, 0.5}, .specular = {0.2, 0.2, 0.2}, .shininess = 30}};
   glm::dvec3 lo(INFINITY), hi(-INFINITY);
   for (const Mesh::Face& face : mesh.faces) {
-    Triangle triangle{{}, 1};
-    for (int k = 0; k < 3; ++k) {
-      triangle.vertices[k] = mesh.positions[face.vertices[k]];
-      lo = glm::min(lo, triangle.vertices[k]);
-      hi = glm::max(hi, triangle.vertices[k]);
+    for (const uint32_t vertex : face.vertices) {
+      lo = glm::min(lo, mesh.positions[vertex]);
+      hi = glm::max(hi, mesh.positions[vertex]);
     }
-    if (face.normals[0] != UINT32_MAX) {
-      triangle.normals = uint32_t(scene.normals.size());
-      scene.normals.push_back(
-          {mesh.normals[face.normals[0]], mesh.normals[face.normals[1]], mesh.normals[face.normals[2]]});
-    }
-    scene.triangles.push_back(triangle);
+    scene.triangles.push_back({face.vertices, face.normals, 1});
   }
+  scene.positions = std::move(mesh.positions);
+  scene.normals = std::move(mesh.normals);
   const glm::dvec3 middle = 0.5 * (lo + hi);
   const double size = glm::length(hi - lo);
   const glm::dvec3 a(middle.x - 3 * size, lo.y, middle.z + 3 * size), b(middle.x + 3 * size, lo.y, middle.z + 3 * size);
   const glm::dvec3 c(middle.x + 3 * size, lo.y, middle.z - 3 * size), d(middle.x - 3 * size, lo.y, middle.z - 3 * size);
-  scene.triangles.push_back({{a, b, c}, 0});
-  scene.triangles.push_back({{a, c, d}, 0});
+  scene.addTriangle({a, b, c}, 0);
+  scene.addTriangle({a, c, d}, 0);
   scene.camera = {.eye = middle + size * glm::dvec3(0.5, 0.6, 1.6), .target = middle, .fov = 35};
   scene.lights = {{.position = middle + size * glm::dvec3(-1.5, 3, 2)}};
   return scene;

@@ -106,7 +106,8 @@ void attach(RTCDevice device, RTCScene scene, RTCGeometry geometry, unsigned num
 }
 
 // Three vertices for each triangle: Embree copies them into its leaves, so that sharing would make no ray faster.
-void attachTriangles(RTCDevice device, RTCScene scene, const std::vector<Triangle>& triangles) {
+void attachTriangles(RTCDevice device, RTCScene scene, const Scene& local) {
+  const std::vector<Triangle>& triangles = local.triangles;
   if (triangles.empty()) return;
   const GeometryHandle geometry(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE));
   using Corners = std::array<uint32_t, 3>;
@@ -114,7 +115,7 @@ void attachTriangles(RTCDevice device, RTCScene scene, const std::vector<Triangl
                                                  3 * triangles.size());
   auto* corners = newBuffer<Corners>(device, geometry.get(), RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3, triangles.size());
   for (uint32_t i = 0; i < triangles.size(); ++i) {
-    for (const glm::dvec3& v : triangles[i].vertices) *vertex++ = {float(v.x), float(v.y), float(v.z)};
+    for (const glm::dvec3& v : local.cornersOf(i)) *vertex++ = {float(v.x), float(v.y), float(v.z)};
     corners[i] = {3 * i, 3 * i + 1, 3 * i + 2};
   }
   attach(device, scene, geometry.get(), kTriangles);
@@ -301,9 +302,12 @@ Shading::Shading(const Scene& local) : background(local.background) {
   cones.reserve(local.cones.size());
   for (const Cone& cone : local.cones) cones.push_back(floatCone(cone));
   triangles.reserve(local.triangles.size());
-  for (const Triangle& triangle : local.triangles) triangles.push_back({triangle.material, triangle.normals});
-  normals.reserve(local.normals.size());
-  for (const auto& [a, b, c] : local.normals) normals.push_back({vec3(a), vec3(b), vec3(c)});
+  for (const Triangle& triangle : local.triangles) {
+    triangles.push_back({triangle.material, triangle.isSmooth() ? uint32_t(normals.size()) : kNoNormals});
+    if (!triangle.isSmooth()) continue;
+    const auto [a, b, c] = local.normalsOf(triangle);
+    normals.push_back({vec3(a), vec3(b), vec3(c)});
+  }
 }
 
 // ---- One ray ----
@@ -509,7 +513,7 @@ struct EmbreeTracer::Parts {
     rtcSetDeviceMemoryMonitorFunction(device.get(), countBytes, &bytes);
     scene.reset(rtcNewScene(device.get()));
     throwIfFailed(device.get(), "rtcNewScene");
-    attachTriangles(device.get(), scene.get(), local.triangles);
+    attachTriangles(device.get(), scene.get(), local);
     attachPrimitives<FloatSphere, kSpheres>(device.get(), scene.get(), shading.spheres);
     attachPrimitives<FloatCone, kCones>(device.get(), scene.get(), shading.cones);
     const Clock::time_point start = Clock::now();

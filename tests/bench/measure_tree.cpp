@@ -57,8 +57,8 @@ Scene tessellatedSphere(int triangles) {
     for (int sector = 0; sector < sectors; ++sector) {
       const glm::dvec3 a = point(ring, sector), b = point(ring, sector + 1);
       const glm::dvec3 c = point(ring + 1, sector), d = point(ring + 1, sector + 1);
-      if (ring > 0) scene.triangles.push_back({{a, b, d}, 0});
-      if (ring + 1 < rings) scene.triangles.push_back({{a, d, c}, 0});
+      if (ring > 0) scene.addTriangle({a, b, d}, 0);
+      if (ring + 1 < rings) scene.addTriangle({a, d, c}, 0);
     }
   }
   return scene;

@@ -35,8 +35,8 @@ dvec3 atCosine(const dvec3& n, double cosine, Random& random) {
   return cosine * n + std::sqrt(1 - cosine * cosine) * anywhereAcross(n, random);
 }
 
-dvec3 normalOf(const Triangle& triangle) {
-  const auto& [a, b, c] = triangle.vertices;
+dvec3 normalOf(const TriangleCorners& corners) {
+  const auto& [a, b, c] = corners;
   return glm::normalize(glm::cross(b - a, c - a));
 }
 
@@ -49,11 +49,11 @@ Scene soup(Random& random) {
   };
   for (int i = 0; i < 100; ++i) {
     const dvec3 at = anywhere(1);
-    scene.triangles.push_back({{at, at + anywhere(0.3), at + anywhere(0.3)}});
+    scene.addTriangle({at, at + anywhere(0.3), at + anywhere(0.3)});
   }
   for (const double far : {-1e5, 1e5}) {
     const dvec3 corner(far, far, far);
-    scene.triangles.push_back({{corner, corner + dvec3(1, 0, 0), corner + dvec3(0, 1, 0)}});
+    scene.addTriangle({corner, corner + dvec3(1, 0, 0), corner + dvec3(0, 1, 0)});
   }
   return scene;
 }
@@ -132,15 +132,15 @@ Scene tiltedFloor() {
   };
   for (int i = 0; i < 32; ++i)
     for (int j = 0; j < 32; ++j) {
-      scene.triangles.push_back({{corner(i, j), corner(i + 1, j), corner(i + 1, j + 1)}});
-      scene.triangles.push_back({{corner(i, j), corner(i + 1, j + 1), corner(i, j + 1)}});
+      scene.addTriangle({corner(i, j), corner(i + 1, j), corner(i + 1, j + 1)});
+      scene.addTriangle({corner(i, j), corner(i + 1, j + 1), corner(i, j + 1)});
     }
   return scene;
 }
 
 // A ray that comes from outside to a triangle of a mesh.
 TestRay rayAtTriangle(const Scene& local, Random& random) {
-  const Triangle& triangle = local.triangles[random() % local.triangles.size()];
+  const TriangleCorners triangle = local.cornersOf(random() % local.triangles.size());
   const dvec3 aim = hard::aimAt(triangle, int(random() % 3), random),
               from = atCosine(normalOf(triangle), uniform(random, 0.2, 1), random);
   return {vec3(aim + from), vec3(-from)};
@@ -168,7 +168,7 @@ std::vector<Box> exactBoxes(const PreparedGeometry& prepared) {
   for (const TrianglePair& pair : prepared.pairs) {
     Box box{vec3(INFINITY), vec3(-INFINITY)};
     const auto add = [&](uint32_t triangle) {
-      for (const dvec3& vertex : prepared.scene.triangles[triangle].vertices) {
+      for (const dvec3& vertex : prepared.scene.cornersOf(triangle)) {
         box.lo = glm::min(box.lo, vec3(vertex));
         box.hi = glm::max(box.hi, vec3(vertex));
       }
@@ -202,10 +202,10 @@ std::vector<Failures> missesOfSoup(const Trial& trial) {
   size_t misses = 0;
   Bench::inBatches(trial.rays, [&](size_t count) {
     trial.robust.setScene(scene, treeOfEverything);
-    const std::vector<Triangle>& triangles = trial.robust.local().triangles;
+    const Scene& local = trial.robust.local();
     std::vector<Query> queries;
     for (size_t i = 0; i < count; ++i) {
-      const dvec3 aim = triangles[random() % (triangles.size() - 2)].vertices[random() % 3];
+      const dvec3 aim = local.cornersOf(random() % (local.triangles.size() - 2))[random() % 3];
       const vec3 origin(std::pow(10, uniform(random, 1, 5)) * randomDirection(random));
       queries.push_back({{origin, vec3(glm::normalize(aim - dvec3(origin)))}});
     }
@@ -262,7 +262,7 @@ std::vector<Failures> wrongRefraction(const Trial& trial) {
   const double eta = 1.5, critical = std::asin(1 / eta);
   Scene scene = emptyScene();
   scene.materials = {Material{.transmit = 1, .eta = eta}};
-  scene.triangles = {{{dvec3(-8, -8, -2), dvec3(8, -8, -2), dvec3(0, 12, -2)}}};
+  scene.addTriangle({dvec3(-8, -8, -2), dvec3(8, -8, -2), dvec3(0, 12, -2)});
   trial.kernels.setScene(scene);
   Random random(29);
   size_t wrong = 0;

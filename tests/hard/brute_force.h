@@ -38,9 +38,8 @@ inline std::optional<Meeting> meet(const Sphere& sphere, const dvec3& origin, co
   return Meeting{std::max(t, 0.0), std::abs(impact - sphere.radius) > unsure && !onSurface};
 }
 
-inline std::optional<Meeting> meet(const Triangle& triangle, const dvec3& origin, const dvec3& direction) {
-  const std::array<dvec3, 3> v = {triangle.vertices[0] - origin, triangle.vertices[1] - origin,
-                                  triangle.vertices[2] - origin};
+inline std::optional<Meeting> meet(const TriangleCorners& corners, const dvec3& origin, const dvec3& direction) {
+  const TriangleCorners v = {corners[0] - origin, corners[1] - origin, corners[2] - origin};
   int surelyLeft = 0, surelyRight = 0;
   for (size_t i = 0; i < 3; ++i) {
     const dvec3 &a = v[i], &b = v[(i + 1) % 3];
@@ -99,7 +98,7 @@ inline void addPrimitive(Nearest& nearest, const Scene& local, uint32_t id, cons
   if (id < spheres)
     nearest.add(id, meet(local.spheres[id], origin, direction));
   else
-    nearest.add(id, meet(local.triangles[id - spheres], origin, direction));
+    nearest.add(id, meet(local.cornersOf(id - spheres), origin, direction));
 }
 
 inline Truth bruteForce(const Scene& local, const dvec3& origin, const dvec3& direction) {

@@ -48,8 +48,7 @@ inline Scene icosphere(int levels, double radius, const dvec3& centre) {
   Scene scene;
   scene.materials = {Material{}};
   for (const auto& [a, b, c] : faces)
-    scene.triangles.push_back(
-        {{centre + radius * corners[a], centre + radius * corners[b], centre + radius * corners[c]}});
+    scene.addTriangle({centre + radius * corners[a], centre + radius * corners[b], centre + radius * corners[c]});
   scene.camera = {.eye = centre, .target = centre + dvec3(0, 0, radius)};
   return scene;
 }
@@ -61,8 +60,7 @@ struct Aimed {
 };
 
 // A point of a triangle: a vertex, one on an edge, or one inside.
-inline dvec3 aimAt(const Triangle& triangle, int kind, Random& random) {
-  const auto& v = triangle.vertices;
+inline dvec3 aimAt(const TriangleCorners& v, int kind, Random& random) {
   const size_t corner = random() % 3;
   if (kind == 0) return v[corner];
   if (kind == 1) return v[corner] + uniform(random, 0, 1) * (v[(corner + 1) % 3] - v[corner]);
@@ -73,7 +71,7 @@ inline dvec3 aimAt(const Triangle& triangle, int kind, Random& random) {
 inline Aimed aimedRay(const Scene& local, Random& random, const dvec3& centre, double radius) {
   Aimed aimed;
   aimed.triangle = random() % local.triangles.size();
-  const dvec3 target = aimAt(local.triangles[aimed.triangle], int(random() % 3), random);
+  const dvec3 target = aimAt(local.cornersOf(aimed.triangle), int(random() % 3), random);
   aimed.query.ray.origin = vec3(centre + uniform(random, 0, 0.7) * radius * randomDirection(random));
   aimed.query.ray.direction = vec3(glm::normalize(target - dvec3(aimed.query.ray.origin)));
   return aimed;

@@ -111,7 +111,8 @@ NaiveScene naiveScene(const Scene& local) {
     boxes.push_back(
         {glm::vec3(sphere.center - std::abs(sphere.radius)), glm::vec3(sphere.center + std::abs(sphere.radius))});
   for (const Triangle& triangle : local.triangles) {
-    const glm::vec3 a(triangle.vertices[0]), b(triangle.vertices[1]), c(triangle.vertices[2]);
+    const TriangleCorners corners = local.cornersOf(triangle);
+    const glm::vec3 a(corners[0]), b(corners[1]), c(corners[2]);
     boxes.push_back({glm::min(a, glm::min(b, c)), glm::max(a, glm::max(b, c))});
   }
   const size_t sphereCount = local.spheres.size();
@@ -133,9 +134,10 @@ NaiveScene naiveScene(const Scene& local) {
       scene.primitives.push_back(rowOf(glm::vec3(float(std::abs(sphere.radius)), 0, 0), sphere.material));
     } else {
       const Triangle& triangle = local.triangles[id - sphereCount];
-      scene.primitives.push_back(rowOf(triangle.vertices[0], id));
-      scene.primitives.push_back(rowOf(triangle.vertices[1], 1));
-      scene.primitives.push_back(rowOf(triangle.vertices[2], triangle.material));
+      const auto [a, b, c] = local.cornersOf(triangle);
+      scene.primitives.push_back(rowOf(a, id));
+      scene.primitives.push_back(rowOf(b, 1));
+      scene.primitives.push_back(rowOf(c, triangle.material));
     }
   }
   return scene;

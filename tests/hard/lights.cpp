@@ -72,7 +72,7 @@ SurfacePoint trueSurface(const Scene& local, const Found& found) {
     const dvec3 normal = glm::normalize(dvec3(found.point) - sphere.center);
     return {sphere.center + sphere.radius * normal, normal};
   }
-  const auto& [a, b, c] = local.triangles[found.id - local.spheres.size()].vertices;
+  const auto& [a, b, c] = local.cornersOf(found.id - local.spheres.size());
   return {a, glm::normalize(glm::cross(b - a, c - a))};
 }
 
@@ -82,7 +82,7 @@ SurfacePoint randomSurface(const Scene& local, Random& random) {
     const dvec3 normal = randomDirection(random);
     return {local.spheres[0].center + local.spheres[0].radius * normal, normal};
   }
-  const auto& v = local.triangles[random() % local.triangles.size()].vertices;
+  const auto& v = local.cornersOf(random() % local.triangles.size());
   const dvec3 normal = glm::normalize(glm::cross(v[1] - v[0], v[2] - v[0]));
   const int kind = int(random() % 3);
   const double s = kind == 0 ? 0 : uniform(random, 0, 1), u = kind == 1 ? 0 : uniform(random, 0, 1 - s);
@@ -163,8 +163,8 @@ Material matt(double diffuse = 1) {
 }
 
 void addQuad(Scene& scene, const dvec3& corner, const dvec3& a, const dvec3& b, uint32_t material = 0) {
-  scene.triangles.push_back({{corner, corner + a, corner + a + b}, material});
-  scene.triangles.push_back({{corner, corner + a + b, corner + b}, material});
+  scene.addTriangle({corner, corner + a, corner + a + b}, material);
+  scene.addTriangle({corner, corner + a + b, corner + b}, material);
 }
 
 void addFloor(Scene& scene, double half) {
@@ -221,11 +221,11 @@ struct ContactTruth {
   Scene local;
   double floor;        // its height
   dvec3 lo{0}, hi{0};  // of the box
-  explicit ContactTruth(const Scene& world) : local(roundScene(world)), floor(local.triangles[0].vertices[0].y) {
+  explicit ContactTruth(const Scene& world) : local(roundScene(world)), floor(local.cornersOf(0)[0].y) {
     if (local.triangles.size() <= 2) return;
-    lo = hi = local.triangles[2].vertices[0];
+    lo = hi = local.cornersOf(2)[0];
     for (size_t i = 2; i < local.triangles.size(); ++i)
-      for (const dvec3& vertex : local.triangles[i].vertices) {
+      for (const dvec3& vertex : local.cornersOf(i)) {
         lo = glm::min(lo, vertex);
         hi = glm::max(hi, vertex);
       }
@@ -251,8 +251,8 @@ struct ContactTruth {
     if (blocks({0, 0, 0}, direction)) return Sees::body;
     if (direction.y >= 0) return Sees::nothing;
     const dvec3 point = floor / direction.y * direction;
-    const dvec3 corner = glm::abs(local.triangles[0].vertices[1] - local.triangles[1].vertices[2]);
-    const dvec3 middle = 0.5 * (local.triangles[0].vertices[1] + local.triangles[1].vertices[2]);
+    const dvec3 corner = glm::abs(local.cornersOf(0)[1] - local.cornersOf(1)[2]);
+    const dvec3 middle = 0.5 * (local.cornersOf(0)[1] + local.cornersOf(1)[2]);
     if (std::abs(point.x - middle.x) > corner.x / 2 || std::abs(point.z - middle.z) > corner.z / 2)
       return Sees::nothing;
     return blocks(point, light - point) ? Sees::dark : Sees::lit;
@@ -506,7 +506,7 @@ void reportLightAtEye(int size, Random& random, Report& report) {
   for (int i = 0; i < 60; ++i) scene.spheres.push_back({.center = place(), .radius = uniform(random, 0.05, 0.5)});
   for (int i = 0; i < 60; ++i) {
     const dvec3 corner = place();
-    scene.triangles.push_back({{corner, corner + randomDirection(random), corner + randomDirection(random)}});
+    scene.addTriangle({corner, corner + randomDirection(random), corner + randomDirection(random)});
   }
   scene.lights = {{.position = scene.camera.eye}};
   const Image image = render(scene, size);
@@ -571,8 +571,7 @@ Scene turned(Scene scene) {
   const dvec3 z = glm::cross(x, y);
   for (dvec3* point : {&scene.camera.eye, &scene.camera.target, &scene.camera.up, &scene.lights[0].position})
     *point = point->x * x + point->y * y + point->z * z;
-  for (Triangle& triangle : scene.triangles)
-    for (dvec3& v : triangle.vertices) v = v.x * x + v.y * y + v.z * z;
+  for (dvec3& v : scene.positions) v = v.x * x + v.y * y + v.z * z;
   return scene;
 }
 

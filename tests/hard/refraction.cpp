@@ -24,7 +24,7 @@ Scene scatteredSheets(Random& random) {
       for (int z = -2; z <= 2; ++z) {
         const dvec3 center = 3.0 * dvec3(x, y, z), n = randomDirection(random), a = anywhereAcross(n, random);
         const dvec3 b = glm::cross(n, a);
-        scene.triangles.push_back({{center + a, center - 0.5 * a + 0.8 * b, center - 0.5 * a - 0.8 * b}});
+        scene.addTriangle({center + a, center - 0.5 * a + 0.8 * b, center - 0.5 * a - 0.8 * b});
       }
   return scene;
 }
@@ -36,7 +36,7 @@ struct Leaving {
 };
 
 Leaving leavingSheet(const Scene& local, Random& random, double angle) {
-  const auto& v = local.triangles[random() % local.triangles.size()].vertices;
+  const auto& v = local.cornersOf(random() % local.triangles.size());
   const dvec3 n = glm::normalize(glm::cross(v[1] - v[0], v[2] - v[0]));
   const dvec3 middle = (v[0] + v[1] + v[2]) / 3.0, a = anywhereAcross(n, random);
   const TestRay ray = rayThrough(middle + uniform(random, 0, 0.2) * a, std::cos(angle) * n + std::sin(angle) * a, 0.5);

@@ -195,10 +195,10 @@ Scene singularScene(double shininess, double intensity, Falloff falloff) {
                       .transmit = 0.3,
                       .localWeight = 0.4}};
   scene.spheres = {{{-0.7, 0.5, 0}, 0.5, 0}, {{0.7, 0.5, 0}, 0.5, 1}};
-  scene.triangles = {{{dvec3(-3, 0, 3), dvec3(3, 0, 3), dvec3(3, 0, -3)}},
-                     {{dvec3(-3, 0, 3), dvec3(3, 0, -3), dvec3(-3, 0, -3)}},
-                     {{dvec3(-2, 1.2, -1), dvec3(2, 1.2, -1), dvec3(0, 2.5, -1)}, 0, 0}};
-  scene.normals = {{dvec3(0, 0, 1), dvec3(0, 0, -1), dvec3(0, 0, 1)}};
+  scene.addTriangle({dvec3(-3, 0, 3), dvec3(3, 0, 3), dvec3(3, 0, -3)});
+  scene.addTriangle({dvec3(-3, 0, 3), dvec3(3, 0, -3), dvec3(-3, 0, -3)});
+  scene.addTriangle({dvec3(-2, 1.2, -1), dvec3(2, 1.2, -1), dvec3(0, 2.5, -1)},
+                    {dvec3(0, 0, 1), dvec3(0, 0, -1), dvec3(0, 0, 1)});
   for (const dvec3& position : {dvec3(0, 1, 4), dvec3(0, 0, 0.5), dvec3(-0.7, 1, 0), dvec3(0, 3, 9), dvec3(0, 1e9, 0)})
     scene.lights.push_back({position, dvec3(intensity), falloff});
   return scene;
@@ -230,10 +230,10 @@ void singularShading(const Bench& bench, Report& report) {
   // A sheet right before the eye, where the light is: the square of their distance is 0 in float32.
   Scene near = singularScene(1, 1, Falloff::none);
   near.spheres.clear();
-  near.normals.clear();
+  near.triangles.clear();
   near.camera = {.eye = {0, 0, 0}, .target = {0, 0, -1}};
   near.lights = {{near.camera.eye}};
-  near.triangles = {{{dvec3(-1, -1, -1e-25), dvec3(1, -1, -1e-25), dvec3(0, 2, -1e-25)}}};
+  near.addTriangle({dvec3(-1, -1, -1e-25), dvec3(1, -1, -1e-25), dvec3(0, 2, -1e-25)});
   report.atMost("not finite, in a picture with a light 1e-25 from a surface",
                 double(countNotFinite(test::renderShader(near, test::settingsOf(near, 16, 16)))), 0);
 }
@@ -457,9 +457,11 @@ bool isSound(const Scene& scene) {
     sound = sound && finite(sphere.center) && sphere.radius != 0 && std::isfinite(sphere.radius) &&
             sphere.material < scene.materials.size();
   for (const Triangle& triangle : scene.triangles) {
-    for (const dvec3& vertex : triangle.vertices) sound = sound && finite(vertex);
-    sound = sound && triangle.material < scene.materials.size() &&
-            (triangle.normals == kNoNormals || triangle.normals < scene.normals.size());
+    for (const uint32_t i : triangle.positions)
+      sound = sound && i < scene.positions.size() && finite(scene.positions[i]);
+    for (const uint32_t i : triangle.normals)
+      sound = sound && (triangle.isSmooth() ? i < scene.normals.size() : i == kNoNormals);
+    sound = sound && triangle.material < scene.materials.size();
   }
   return sound;
 }
@@ -590,8 +592,7 @@ Scene changed(Scene scene, double scale, const dvec3& shift) {
     cone.baseRadius *= scale;
     cone.apexRadius *= scale;
   }
-  for (Triangle& triangle : scene.triangles)
-    for (dvec3& vertex : triangle.vertices) change(vertex);
+  for (dvec3& position : scene.positions) change(position);
   return scene;
 }
 
@@ -626,8 +627,7 @@ Scene roundedWhereItIs(Scene scene) {
   for (Light& light : scene.lights) round(light.position);
   for (Sphere& sphere : scene.spheres) round(sphere.center);
   for (Cone& cone : scene.cones) round(cone.base), round(cone.apex);
-  for (Triangle& triangle : scene.triangles)
-    for (dvec3& vertex : triangle.vertices) round(vertex);
+  for (dvec3& position : scene.positions) round(position);
   return scene;
 }
 
@@ -794,7 +794,7 @@ Scene coincidentScene() {
   scene.materials = {{.diffuse = {0.9, 0.1, 0.1}}, {.diffuse = {0.1, 0.1, 0.9}, .reflect = 0.5, .localWeight = 0.5}};
   for (uint32_t i = 0; i < 20; ++i) {
     scene.spheres.push_back({{-0.8, 0, 0}, 0.7, i % 3 == 0});
-    scene.triangles.push_back({{dvec3(0, -1, 0), dvec3(1.6, -1, 0.2), dvec3(0.1, 1, 0.4)}, i % 3 == 0});
+    scene.addTriangle({dvec3(0, -1, 0), dvec3(1.6, -1, 0.2), dvec3(0.1, 1, 0.4)}, i % 3 == 0);
   }
   return scene;
 }
@@ -859,7 +859,7 @@ struct Edge {
     scene.background = dvec3(1);
     scene.camera = {.eye = {0, 0, 0}, .target = {0, 0, -1}};
     scene.materials = {Material{}};
-    scene.triangles = {{{place(point + far * along), place(point - far * along), place(point - far * normal)}}};
+    scene.addTriangle({place(point + far * along), place(point - far * along), place(point - far * normal)});
     return scene;
   }
 

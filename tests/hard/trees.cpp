@@ -118,8 +118,8 @@ Scene latticeOfSquares(Random& random) {
           corner[(axis + 2) % 3] = k;
           a[(axis + 1) % 3] = 1;
           b[(axis + 2) % 3] = 1;
-          scene.triangles.push_back({{corner, corner + a, corner + a + b}});
-          if (random() % 4 != 0) scene.triangles.push_back({{corner, corner + a + b, corner + b}});
+          scene.addTriangle({corner, corner + a, corner + a + b});
+          if (random() % 4 != 0) scene.addTriangle({corner, corner + a + b, corner + b});
         }
   return scene;
 }
@@ -153,7 +153,7 @@ LatticeTruth nearestOnLattice(const Scene& scene, const TestRay& ray) {
   const Lattice3 o = doubled(ray.origin), d = Lattice3(ray.direction);
   LatticeTruth nearest;
   for (uint32_t id = 0; id < scene.triangles.size(); ++id) {
-    const auto& [p, q, r] = scene.triangles[id].vertices;
+    const auto& [p, q, r] = scene.cornersOf(id);
     const Lattice3 a = doubled(p) - o, b = doubled(q) - o, c = doubled(r) - o;
     const auto volume = [&](const Lattice3& from, const Lattice3& to) {
       return d.x * (from.y * to.z - from.z * to.y) + d.y * (from.z * to.x - from.x * to.z) +
@@ -246,8 +246,8 @@ struct Sheet {
       for (int j = 0; j < kCells; ++j) {
         std::array<size_t, 4> c = {at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)};
         if (random() % 2) std::rotate(c.begin(), c.begin() + 1, c.end());
-        scene.triangles.push_back({{vertices[c[0]], vertices[c[1]], vertices[c[2]]}});
-        scene.triangles.push_back({{vertices[c[0]], vertices[c[2]], vertices[c[3]]}});
+        scene.addTriangle({vertices[c[0]], vertices[c[1]], vertices[c[2]]});
+        scene.addTriangle({vertices[c[0]], vertices[c[2]], vertices[c[3]]});
       }
   }
   size_t innerVertex(Random& random) const {
@@ -281,7 +281,7 @@ void aimAtSheet(const Bench& bench, const Sheet& sheet, size_t rays, Random& ran
       misses.turner += !turner[i].hits();
       misses.naive += !naive[i].hits();
       if (!turner[i].hits()) continue;
-      const auto& corners = local.triangles[turner[i].id].vertices;
+      const auto& corners = local.cornersOf(turner[i].id);
       misses.strays += std::find(corners.begin(), corners.end(), sheet.vertices[aims[i]]) == corners.end();
     }
   });
@@ -292,14 +292,14 @@ Scene triangleSoup(double translation, Random& random) {
   Scene scene = sceneAtOrigin();
   for (int i = 0; i < 128; ++i) {
     const dvec3 place = dvec3(translation) + uniform(random, 0, 32) * randomDirection(random);
-    Triangle triangle;
-    for (dvec3& vertex : triangle.vertices)
+    TriangleCorners corners;
+    for (dvec3& vertex : corners)
       vertex = onGrain(place + dvec3(uniform(random, 0, 4), uniform(random, 0, 4), uniform(random, 0, 4)));
     // One in four is flat along an axis.
     const int axis = int(random() % 12);
     if (axis < 3)
-      for (dvec3& vertex : triangle.vertices) vertex[axis] = triangle.vertices[0][axis];
-    scene.triangles.push_back(triangle);
+      for (dvec3& vertex : corners) vertex[axis] = corners[0][axis];
+    scene.addTriangle(corners);
   }
   return scene;
 }
@@ -320,7 +320,7 @@ size_t lostInBoxes(const Bench& bench, const Scene& soup, size_t rays, Random& r
   Bench::inBatches(rays, [&](size_t count) {
     std::vector<Query> queries;
     for (size_t i = 0; i < count; ++i) {
-      const dvec3 vertex = soup.triangles[random() % soup.triangles.size()].vertices[random() % 3];
+      const dvec3 vertex = soup.cornersOf(random() % soup.triangles.size())[random() % 3];
       queries.push_back(rayThrough(vertex, randomDirection(random), stressDistance(random), random));
     }
     bench.kernels.setScene(soup, buildOfOpenBoxes);
@@ -419,7 +419,8 @@ void reportConcentricPicture(const Scene& scene, int size, Report& report) {
 
 Scene copiesOfATriangle(size_t count) {
   Scene scene = sceneAtOrigin();
-  scene.triangles.assign(count, {{dvec3(-1, -0.8, 2), dvec3(1, -1, 2.5), dvec3(0.1, 1, 3)}});
+  scene.addTriangle({dvec3(-1, -0.8, 2), dvec3(1, -1, 2.5), dvec3(0.1, 1, 3)});
+  scene.triangles.resize(count, scene.triangles[0]);
   return scene;
 }
 
@@ -465,7 +466,7 @@ Scene nestedTriangles(size_t count) {
   Scene scene = sceneAtOrigin();
   for (size_t k = 0; k < count; ++k) {
     const double s = std::pow(0.9999, double(k));
-    scene.triangles.push_back({{dvec3(s, 0, 0), dvec3(0, s, 0), dvec3(0, 0, s)}});
+    scene.addTriangle({dvec3(s, 0, 0), dvec3(0, s, 0), dvec3(0, 0, s)});
   }
   return scene;
 }
@@ -524,7 +525,7 @@ class Cells {
           if (isSphere(indexOf({x, y, z})))
             scene_.spheres.push_back({.center = inCell(0.3), .radius = cell * uniform(random, 0.05, 0.25)});
           else
-            scene_.triangles.push_back({{inCell(0.1), inCell(0.1), inCell(0.1)}});
+            scene_.addTriangle({inCell(0.1), inCell(0.1), inCell(0.1)});
         }
   }
 
@@ -597,12 +598,12 @@ void reportMany(const Bench& bench, size_t count, Random& random, Report& report
 // Among the tiny ones one triangle that is 10^6 large: all boxes are rounded in its measure.
 void reportGiant(size_t count, Random& random, Report& report) {
   Cells cells(count, random);
-  Triangle giant;
+  TriangleCorners giant;
   for (int i = 0; i < 3; ++i) {
     const double angle = 2 * std::numbers::pi * i / 3, x = 1e6 * std::cos(angle), y = 1e6 * std::sin(angle);
-    giant.vertices[size_t(i)] = {x, y, 2.6 - 0.04 * x + 0.03 * y};
+    giant[size_t(i)] = {x, y, 2.6 - 0.04 * x + 0.03 * y};
   }
-  cells.scene().triangles.push_back(giant);
+  cells.scene().addTriangle(giant);
   Mismatches mismatches;
   const auto start = std::chrono::steady_clock::now();
   compareIdsInPicture(cells.scene(), 32, mismatches);

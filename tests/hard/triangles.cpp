@@ -18,9 +18,9 @@ namespace {
 
 // --- 11 and 12 ---
 
-bool shareAVertex(const Triangle& a, const Triangle& b) {
-  for (const dvec3& v : a.vertices)
-    for (const dvec3& w : b.vertices)
+bool shareAVertex(const TriangleCorners& a, const TriangleCorners& b) {
+  for (const dvec3& v : a)
+    for (const dvec3& w : b)
       if (v == w) return true;
   return false;
 }
@@ -47,7 +47,7 @@ Both<MeshErrors> traceMesh(const Bench& bench, const Scene& scene, const dvec3& 
       for (size_t i = 0; i < count; ++i) {
         errors.of(tracer).misses += !found[i].hits();
         errors.of(tracer).elsewhere +=
-            found[i].hits() && !shareAVertex(local.triangles[found[i].id], local.triangles[aims[i]]);
+            found[i].hits() && !shareAVertex(local.cornersOf(found[i].id), local.cornersOf(aims[i]));
       }
     }
   });
@@ -101,14 +101,14 @@ void watertightElsewhere(const Bench& bench, Report& report) {
 // --- distances to planes ---
 
 // Where a ray meets the plane of a triangle.
-Wide planeDistance(const Triangle& triangle, const TestRay& ray) {
-  const Wide3 v0 = wide(triangle.vertices[0]), a = wide(triangle.vertices[1]) - v0, b = wide(triangle.vertices[2]) - v0;
+Wide planeDistance(const TriangleCorners& corners, const TestRay& ray) {
+  const Wide3 v0 = wide(corners[0]), a = wide(corners[1]) - v0, b = wide(corners[2]) - v0;
   const Wide3 n{a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
   return dot(n, v0 - wide(ray.origin)) / dot(n, wide(ray.direction));
 }
 
-double relativeError(const Found& found, const Triangle& triangle, const TestRay& ray) {
-  const Wide t = planeDistance(triangle, ray);
+double relativeError(const Found& found, const TriangleCorners& corners, const TestRay& ray) {
+  const Wide t = planeDistance(corners, ray);
   return std::abs(double((Wide(found.t) - t) / t));
 }
 
@@ -133,7 +133,7 @@ void tracePlanes(const Bench& bench, const std::vector<Query>& queries, Both<Pla
       errors.of(tracer).misses += !found[i].hits();
       if (found[i].hits())
         errors.of(tracer).relative.add(
-            relativeError(found[i], bench.kernels.local().triangles[found[i].id], queries[i].ray));
+            relativeError(found[i], bench.kernels.local().cornersOf(found[i].id), queries[i].ray));
     }
   }
 }
@@ -171,7 +171,7 @@ void quadDiagonal(const Bench& bench, Report& report) {
     const double size = std::exp2(uniform(random, -4, 2));
     closed_form::addQuad(scene, 3.0 * toward - 0.5 * size * (a + b), size * a, uniform(random, 0.3, 1) * size * b, 0);
     bench.kernels.setScene(scene);
-    const auto& v = bench.kernels.local().triangles[0].vertices;  // of which v0 and v2 are on the diagonal
+    const auto& v = bench.kernels.local().cornersOf(0);  // of which v0 and v2 are on the diagonal
     std::vector<Query> queries;
     for (size_t i = 0; i < bench.effort.rays(1e6, 1e5) / quads; ++i)
       queries.push_back({TestRay{vec3(0), vec3(glm::normalize(glm::mix(v[0], v[2], uniform(random, 0.001, 0.999))))}});
@@ -196,7 +196,7 @@ void needles(const Bench& bench, Report& report) {
       corners.push_back({x, (i - kNeedles / 2) / aspect, -2 + 0.25 * x});
     }
     for (size_t i = 0; i < kNeedles; ++i)
-      scene.triangles.push_back({{corners[i], corners[i + 1 + i % 2], corners[i + 2 - i % 2]}});
+      scene.addTriangle({corners[i], corners[i + 1 + i % 2], corners[i + 2 - i % 2]});
     bench.kernels.setScene(scene);
     const Scene& local = bench.kernels.local();
     Both<PlaneErrors> errors;
@@ -204,7 +204,7 @@ void needles(const Bench& bench, Report& report) {
       std::vector<Query> queries;
       for (size_t i = 0; i < count; ++i) {
         // Inside the strip: neighbours on both sides, away from the ragged ends.
-        const Triangle& triangle = local.triangles[16 + random() % (kNeedles - 32)];
+        const TriangleCorners triangle = local.cornersOf(16 + random() % (kNeedles - 32));
         dvec3 target = aimAt(triangle, 1 + int(i % 2), random);
         while (std::abs(target.x) > 0.3) target = aimAt(triangle, 1 + int(i % 2), random);
         const vec3 origin(uniform(random, -0.3, 0.3), uniform(random, -4, 4) / aspect, uniform(random, -0.3, 0.3));
@@ -229,9 +229,9 @@ void zeroArea(const Bench& bench, Report& report) {
   scene.materials.push_back(closed_form::mirror(0.5));
   for (int i = 0; i < 1000; ++i) {
     const dvec3 at = 4.0 * randomDirection(random);
-    scene.triangles.push_back(
-        {{at + 0.3 * randomDirection(random), at + 0.3 * randomDirection(random), at + 0.3 * randomDirection(random)},
-         uint32_t(i % 2)});
+    scene.addTriangle(
+        {at + 0.3 * randomDirection(random), at + 0.3 * randomDirection(random), at + 0.3 * randomDirection(random)},
+        uint32_t(i % 2));
   }
   Scene with = scene;
   const uint32_t bright = closed_form::addMaterial(with, closed_form::matte({100, 100, 100}));
@@ -240,13 +240,13 @@ void zeroArea(const Bench& bench, Report& report) {
     const std::array<std::array<dvec3, 3>, 4> flat = {std::array{a, a, a}, std::array{a, b, a},
                                                       std::array{a, b, 0.5 * (a + b)},
                                                       std::array{a, a + dvec3(1e-20, 0, 0), a + dvec3(0, 1e-20, 0)}};
-    with.triangles.push_back({flat[size_t(i % 4)], bright});
+    with.addTriangle(flat[size_t(i % 4)], bright);
   }
   // Halves of float sums are not always on the line: only those that have no area after rounding are to vanish.
   const Scene rounded = roundScene(with);
   std::vector<Triangle> kept(with.triangles.begin(), with.triangles.begin() + 1000);
   for (size_t i = 1000; i < with.triangles.size(); ++i) {
-    const auto& v = rounded.triangles[i].vertices;
+    const auto& v = rounded.cornersOf(i);
     if (glm::cross(v[1] - v[0], v[2] - v[0]) == dvec3(0)) kept.push_back(with.triangles[i]);
   }
   with.triangles = kept;
@@ -278,10 +278,10 @@ Scene coplanarScene(bool copies) {
   const uint32_t mirror = closed_form::addMaterial(scene, closed_form::mirror(1));
   const dvec3 a(-1.1, -0.7, -2.3), b(1.3, -0.9, -2.9), c(0.2, 1.1, -3.1);
   if (copies) {
-    for (uint32_t i = 0; i < 1000; ++i) scene.triangles.push_back({{a, b, c}, i % 2 ? green : red});
+    for (uint32_t i = 0; i < 1000; ++i) scene.addTriangle({a, b, c}, i % 2 ? green : red);
   } else {
-    scene.triangles.push_back({{a, b, c}, red});
-    scene.triangles.push_back({{glm::mix(a, b, 0.2), glm::mix(b, c, 0.3), glm::mix(c, a, 0.1)}, green});
+    scene.addTriangle({a, b, c}, red);
+    scene.addTriangle({glm::mix(a, b, 0.2), glm::mix(b, c, 0.3), glm::mix(c, a, 0.1)}, green);
   }
   closed_form::addQuad(scene, {-4, -4, 1.5}, {0, 8, 0}, {8, 0, 0.5}, mirror);
   return scene;
@@ -329,8 +329,8 @@ void edgeOn(const Bench& bench, Report& report) {
   Scene scene = trianglesSeenFromOrigin();
   for (int i = 0; i < 64; ++i) {
     const dvec3 at = 300.0 * randomDirection(random);
-    scene.triangles.push_back({{at + 300.0 * randomDirection(random), at + 300.0 * randomDirection(random),
-                                at + 300.0 * randomDirection(random)}});
+    scene.addTriangle({at + 300.0 * randomDirection(random), at + 300.0 * randomDirection(random),
+                       at + 300.0 * randomDirection(random)});
   }
   Both<Worst> excess;
   Both<size_t> notNumbers;
@@ -338,13 +338,13 @@ void edgeOn(const Bench& bench, Report& report) {
   for (const double degrees : {0.52, 1e-3, 1e-5}) {
     for (const Triangle& triangle : scene.triangles) {
       Scene one = trianglesSeenFromOrigin();
-      one.triangles = {triangle};
+      one.addTriangle(scene.cornersOf(triangle));
       bench.kernels.setScene(one);
-      const auto& v = bench.kernels.local().triangles[0].vertices;
+      const auto& v = bench.kernels.local().cornersOf(0);
       const dvec3 normal = glm::normalize(glm::cross(v[1] - v[0], v[2] - v[0]));
       std::vector<Query> queries;
       for (size_t i = 0; i < bench.effort.rays(1e6, 1e5) / 192; ++i) {
-        const dvec3 target = aimAt(bench.kernels.local().triangles[0], 2, random);
+        const dvec3 target = aimAt(v, 2, random);
         dvec3 a, b;
         basisOf(normal, a, b);
         const double phi = uniform(random, 0, 2 * std::numbers::pi), angle = degrees * closed_form::kDegree;
@@ -376,8 +376,8 @@ void edgeOn(const Bench& bench, Report& report) {
 
   // Exactly in the plane: coordinates and directions that float32 has.
   scene = trianglesSeenFromOrigin();
-  scene.triangles = {{{dvec3(1, 0, -4), dvec3(3, 0, -5), dvec3(2, 0, -7)}},
-                     {{dvec3(1, 1, -4), dvec3(3, 3, -5), dvec3(2, 2, -7)}}};
+  scene.addTriangle({dvec3(1, 0, -4), dvec3(3, 0, -5), dvec3(2, 0, -7)});
+  scene.addTriangle({dvec3(1, 1, -4), dvec3(3, 3, -5), dvec3(2, 2, -7)});
   bench.kernels.setScene(scene);
   std::vector<Query> inPlane;
   for (int i = -8; i <= 8; ++i)

@@ -123,10 +123,10 @@ Scene bumpySpheres(size_t triangles) {
                      {.name = "straw", .diffuse = {0.86, 0.68, 0.3}},
                      {.name = "slate", .diffuse = {0.2, 0.26, 0.36}},
                      {.name = "mirror", .diffuse = {0.2, 0.2, 0.2}, .reflect = 0.8, .localWeight = 0.2}};
-  const BumpyMesh mesh = bumpyMesh(triangles);
+  BumpyMesh mesh = bumpyMesh(triangles);
+  scene.positions = std::move(mesh.positions);
   scene.triangles.reserve(mesh.faces.size());
-  for (const auto& [v, material] : mesh.faces)
-    scene.triangles.push_back({{mesh.positions[v[0]], mesh.positions[v[1]], mesh.positions[v[2]]}, material});
+  for (const auto& [v, material] : mesh.faces) scene.triangles.push_back({.positions = v, .material = material});
   return scene;
 }
 

@@ -65,8 +65,8 @@ inline uint32_t addMaterial(Scene& scene, const Material& material) {
 
 // A parallelogram of two triangles with one corner and two edges; its front looks along cross(edge1, edge2).
 inline void addQuad(Scene& scene, const dvec3& corner, const dvec3& edge1, const dvec3& edge2, uint32_t material) {
-  scene.triangles.push_back({{corner, corner + edge1, corner + edge1 + edge2}, material});
-  scene.triangles.push_back({{corner, corner + edge1 + edge2, corner + edge2}, material});
+  scene.addTriangle({corner, corner + edge1, corner + edge1 + edge2}, material);
+  scene.addTriangle({corner, corner + edge1 + edge2, corner + edge2}, material);
 }
 
 // A square floor at this height, with its front up.
@@ -309,9 +309,9 @@ inline Case coverage(std::string name, Sampler sampler, int n, double a, double 
   const double square = a * a + b * b;
   const auto toPlane = [](double x, double y) { return dvec3(2 * x - 1, 1 - 2 * y, 0); };
   const double x = c * a / square, y = c * b / square;
-  result.scene.triangles.push_back(
-      {{toPlane(x - 8 * b, y + 8 * a), toPlane(x + 8 * b, y - 8 * a), toPlane(x - 8 * a, y - 8 * b)},
-       addMaterial(result.scene, matte(dvec3(0)))});
+  result.scene.addTriangle(
+      {toPlane(x - 8 * b, y + 8 * a), toPlane(x + 8 * b, y - 8 * a), toPlane(x - 8 * a, y - 8 * b)},
+      addMaterial(result.scene, matte(dvec3(0))));
   result.expected.push_back({0, 0, dvec3(1 - double(covered) / (n * n)), 0});
   return result;
 }
@@ -342,7 +342,7 @@ inline Case equalTriangles() {
   c.scene.lights = {{.position = {0, 0, 3}, .color = {1, 1, 1}}};
   const std::array<dvec3, 3> vertices{dvec3(-9.3, -7.1, 0.3), dvec3(8.7, -6.9, 0.3), dvec3(0.1, 9.9, 0.3)};
   const std::array<dvec3, 4> colors{dvec3(0.5, 0.25, 1), dvec3(1, 0, 0), dvec3(0, 1, 0), dvec3(0, 0, 1)};
-  for (const dvec3& color : colors) c.scene.triangles.push_back({vertices, addMaterial(c.scene, matte(color))});
+  for (const dvec3& color : colors) c.scene.addTriangle(vertices, addMaterial(c.scene, matte(color)));
   // The middle pixel alone, where N.L = 1.
   c.expected.push_back({1, 1, colors[0]});
   return c;
@@ -366,8 +366,7 @@ inline Case backHit(bool lightBesideViewer) {
   Case c{lightBesideViewer ? "BackHitIsLitFromItsSide" : "BackHitIsDarkFromTheOtherSide", {}, pixels(1, 1), {}};
   c.scene.camera = lookAt({0, 0, 3}, {0, 0, 0}, {0, 1, 0}, 45);
   c.scene.lights = {{.position = {3, 0, lightBesideViewer ? 4.0 : -4.0}}};
-  c.scene.triangles.push_back(
-      {{dvec3(-9, -7, 0), dvec3(0, 9, 0), dvec3(8, -7, 0)}, addMaterial(c.scene, matte({1, 0.5, 0.25}))});
+  c.scene.addTriangle({dvec3(-9, -7, 0), dvec3(0, 9, 0), dvec3(8, -7, 0)}, addMaterial(c.scene, matte({1, 0.5, 0.25})));
   c.expected.push_back({0, 0, lightBesideViewer ? 0.8 * dvec3(1, 0.5, 0.25) : dvec3(0)});
   return c;
 }
@@ -376,8 +375,8 @@ inline Case backHit(bool lightBesideViewer) {
 inline Scene tiltedNormals(double degrees, const Material& material) {
   Scene scene;
   const dvec3 normal(std::sin(degrees * kDegree), 0, std::cos(degrees * kDegree));
-  scene.normals.push_back({normal, normal, normal});
-  scene.triangles.push_back({{dvec3(-9, -7, 0), dvec3(8, -7, 0), dvec3(0, 9, 0)}, addMaterial(scene, material), 0});
+  scene.addTriangle({dvec3(-9, -7, 0), dvec3(8, -7, 0), dvec3(0, 9, 0)}, {normal, normal, normal},
+                    addMaterial(scene, material));
   return scene;
 }
 
@@ -425,7 +424,7 @@ inline Case smoothNormalFacingAway() {
 // 1 behind its surface shows by its brightness where it lands.
 inline Case smoothNormalsAgainstWinding() {
   Case c{"SmoothNormalsDecideTheFront", tiltedNormals(0, glass(0, 1, 1.5)), pixels(1, 1), {}};
-  std::swap(c.scene.triangles[0].vertices[1], c.scene.triangles[0].vertices[2]);
+  std::swap(c.scene.triangles[0].positions[1], c.scene.triangles[0].positions[2]);
   c.scene.camera = lookAt({-2, 0, 2}, {0, 0, 0}, {0, 1, 0}, 45);
   const dvec3 light(1, 0, -0.5);
   c.scene.lights = {{.position = light}};

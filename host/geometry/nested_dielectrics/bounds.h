@@ -14,12 +14,12 @@ namespace turner::nested_dielectrics {
 using glm::dvec3;
 
 // Seen from the eye, as are all bounds here: float32 rounds what the kernel gets in proportion to that.
-inline Bounds boundsOf(const Scene& scene, Sphere sphere) {
+inline Bounds boundsFromEye(const Scene& scene, Sphere sphere) {
   sphere.center -= scene.camera.eye;
   return boundsOf(sphere);
 }
-inline Bounds boundsOf(const Scene& scene, const Triangle& triangle) {
-  const Bounds bounds = boundsOf(triangle);
+inline Bounds boundsFromEye(const Scene& scene, const Triangle& triangle) {
+  const Bounds bounds = boundsOf(scene, triangle);
   return {bounds.lo - scene.camera.eye, bounds.hi - scene.camera.eye};
 }
 

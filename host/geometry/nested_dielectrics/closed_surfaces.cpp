@@ -65,6 +65,18 @@ class VertexWelder {
   std::unordered_multimap<Cell, Numbered, CellHash> vertices_;
 };
 
+// Sets the numbers, by position, of the vertices of these triangles: equal where they are welded. Each position is
+// welded once, however many triangles share it.
+void numberVertices(const Scene& scene, const std::vector<uint32_t>& triangles, std::vector<uint32_t>& numbers) {
+  constexpr uint32_t kNone = UINT32_MAX;
+  for (const uint32_t i : triangles)
+    for (const uint32_t position : scene.triangles[i].positions) numbers[position] = kNone;
+  VertexWelder welder;
+  for (const uint32_t i : triangles)
+    for (const uint32_t position : scene.triangles[i].positions)
+      if (numbers[position] == kNone) numbers[position] = welder.numberOf(scene.positions[position] - scene.camera.eye);
+}
+
 // Sets that grow together.
 class DisjointSets {
  public:
@@ -80,26 +92,26 @@ class DisjointSets {
 };
 
 void measure(const Scene& scene, Surface& surface) {
-  const dvec3 origin = scene.triangles[surface.triangles[0]].vertices[0];
+  const dvec3 origin = scene.cornersOf(surface.triangles[0])[0];
   for (const uint32_t i : surface.triangles) {
-    const auto& [a, b, c] = scene.triangles[i].vertices;
+    const auto [a, b, c] = scene.cornersOf(i);
     surface.volume += facing(scene, scene.triangles[i]) * glm::dot(a - origin, glm::cross(b - origin, c - origin)) / 6;
-    surface.box.include(boundsOf(scene, scene.triangles[i]));
+    surface.box.include(boundsFromEye(scene, scene.triangles[i]));
   }
 }
 
 // Adds the closed surfaces that triangles of one material make. Those that hang together by edges are gone through in
 // their order: whenever no edge is left open, a surface is complete. So two cubes in a row that share an edge or a face
-// are two.
-void addClosedSurfaces(const Scene& scene, const std::vector<uint32_t>& triangles, std::vector<Surface>& surfaces) {
-  VertexWelder vertices;
+// are two. `numbers` has room for one of each position.
+void addClosedSurfaces(const Scene& scene, const std::vector<uint32_t>& triangles, std::vector<uint32_t>& numbers,
+                       std::vector<Surface>& surfaces) {
+  numberVertices(scene, triangles, numbers);
   using Edge = std::pair<uint32_t, uint32_t>;
   std::vector<std::array<Edge, 3>> edges;
   for (const uint32_t i : triangles) {
-    auto [a, b, c] = scene.triangles[i].vertices;
+    auto [a, b, c] = scene.triangles[i].positions;
     if (facing(scene, scene.triangles[i]) < 0) std::swap(b, c);
-    const dvec3& eye = scene.camera.eye;
-    const uint32_t p = vertices.numberOf(a - eye), q = vertices.numberOf(b - eye), r = vertices.numberOf(c - eye);
+    const uint32_t p = numbers[a], q = numbers[b], r = numbers[c];
     edges.push_back({Edge{p, q}, {q, r}, {r, p}});
   }
   const auto keyOf = [](uint32_t a, uint32_t b) { return uint64_t(std::min(a, b)) << 32 | std::max(a, b); };
@@ -151,13 +163,14 @@ std::vector<Surface> closedSurfaces(const Scene& scene) {
                         .firstId = i,
                         .sphere = i,
                         .volume = 4 * std::numbers::pi / 3 * radius * radius * radius,
-                        .box = boundsOf(scene, sphere)});
+                        .box = boundsFromEye(scene, sphere)});
   }
   std::vector<std::vector<uint32_t>> byMaterial(scene.materials.size());
   for (uint32_t i = 0; i < scene.triangles.size(); ++i)
     if (transmits(scene.triangles[i].material)) byMaterial[scene.triangles[i].material].push_back(i);
+  std::vector<uint32_t> numbers(scene.positions.size());
   for (const std::vector<uint32_t>& triangles : byMaterial)
-    if (!triangles.empty()) addClosedSurfaces(scene, triangles, surfaces);
+    if (!triangles.empty()) addClosedSurfaces(scene, triangles, numbers, surfaces);
   return surfaces;
 }
 

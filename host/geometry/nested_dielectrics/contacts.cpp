@@ -15,8 +15,7 @@ namespace turner::nested_dielectrics {
 namespace {
 
 // The distance of a point from a triangle: of its projection if that is inside, else of the nearest edge.
-double distanceTo(const Triangle& triangle, const dvec3& p) {
-  const auto& v = triangle.vertices;
+double distanceTo(const TriangleCorners& v, const dvec3& p) {
   const dvec3 normal = glm::cross(v[1] - v[0], v[2] - v[0]);
   const double squared = glm::dot(normal, normal);
   bool inside = squared > 0;
@@ -34,8 +33,8 @@ double distanceTo(const Triangle& triangle, const dvec3& p) {
 // Whether two triangles meet: no axis separates them (Gottschalk, Lin and Manocha, OBBTree, SIGGRAPH 1996, section 5,
 // for triangles: their normals, products of edges, and where they are coplanar the edges' normals in the plane).
 bool meet(const Scene& scene, const Triangle& s, const Triangle& t) {
-  const auto &a = s.vertices, &b = t.vertices;
-  const double slack = kTouching * std::max(sizeOf(boundsOf(scene, s)), sizeOf(boundsOf(scene, t)));
+  const TriangleCorners a = scene.cornersOf(s), b = scene.cornersOf(t);
+  const double slack = kTouching * std::max(sizeOf(boundsFromEye(scene, s)), sizeOf(boundsFromEye(scene, t)));
   const auto separates = [&](const dvec3& axis) {
     const double length = glm::length(axis);
     if (!(length > 0)) return false;
@@ -47,7 +46,7 @@ bool meet(const Scene& scene, const Triangle& s, const Triangle& t) {
     }
     return std::max(bLo - aHi, aLo - bHi) > slack * length;
   };
-  const auto edge = [](const std::array<dvec3, 3>& v, size_t k) { return v[(k + 1) % 3] - v[k]; };
+  const auto edge = [](const TriangleCorners& v, size_t k) { return v[(k + 1) % 3] - v[k]; };
   const dvec3 aNormal = glm::cross(edge(a, 0), edge(a, 1)), bNormal = glm::cross(edge(b, 0), edge(b, 1));
   if (separates(aNormal) || separates(bNormal)) return false;
   for (size_t i = 0; i < 3; ++i) {
@@ -70,19 +69,17 @@ bool meet(const Scene& scene, const BoundsTree::Item& a, const BoundsTree::Item&
   if (a.index >= spheres) return meet(scene, scene.triangles[a.index - spheres], scene.triangles[b.index - spheres]);
   const Sphere& sphere = scene.spheres[a.index];
   const double radius = std::abs(sphere.radius);
-  if (b.index >= spheres) return distanceTo(scene.triangles[b.index - spheres], sphere.center) < kKissing * radius;
+  if (b.index >= spheres) return distanceTo(scene.cornersOf(b.index - spheres), sphere.center) < kKissing * radius;
   const Sphere& other = scene.spheres[b.index];
   return glm::length(other.center - sphere.center) < kKissing * (radius + std::abs(other.radius));
 }
 
 // Whether two triangles lie in the same plane of equal x, y or z: the kernel meets both at exactly the same distance.
-bool shareAxialPlane(const Triangle& s, const Triangle& t) {
+bool shareAxialPlane(const TriangleCorners& s, const TriangleCorners& t) {
   for (int k = 0; k < 3; ++k) {
-    const double plane = s.vertices[0][k];
+    const double plane = s[0][k];
     const auto isIn = [&](const dvec3& p) { return p[k] == plane; };
-    if (std::all_of(s.vertices.begin(), s.vertices.end(), isIn) &&
-        std::all_of(t.vertices.begin(), t.vertices.end(), isIn))
-      return true;
+    if (std::all_of(s.begin(), s.end(), isIn) && std::all_of(t.begin(), t.end(), isIn)) return true;
   }
   return false;
 }
@@ -102,16 +99,16 @@ bool coincide(const Scene& scene, const BoundsTree::Item& a, const BoundsTree::I
            std::abs(sRadius - tRadius) <= kRounded * sRadius;
   }
   const double slack = kRounded * std::max(sizeOf(a.box), sizeOf(b.box));
-  const Triangle &s = scene.triangles[a.index - spheres], &t = scene.triangles[b.index - spheres];
+  const Triangle &first = scene.triangles[a.index - spheres], &second = scene.triangles[b.index - spheres];
+  const TriangleCorners s = scene.cornersOf(first), t = scene.cornersOf(second);
   if (shareAxialPlane(s, t)) return false;
-  const auto inPlaneOf = [&](const Triangle& plane, const Triangle& other) {
-    const auto& v = plane.vertices;
+  const auto inPlaneOf = [&](const TriangleCorners& v, const TriangleCorners& other) {
     const dvec3 normal = glm::cross(v[1] - v[0], v[2] - v[0]);
     const double most = slack * glm::length(normal);
-    return most > 0 && std::all_of(other.vertices.begin(), other.vertices.end(),
+    return most > 0 && std::all_of(other.begin(), other.end(),
                                    [&](const dvec3& p) { return std::abs(glm::dot(p - v[0], normal)) <= most; });
   };
-  return (inPlaneOf(s, t) || inPlaneOf(t, s)) && meet(scene, s, t);
+  return (inPlaneOf(s, t) || inPlaneOf(t, s)) && meet(scene, first, second);
 }
 
 }  // namespace
@@ -155,7 +152,7 @@ void markOnOpaque(const Scene& scene, const std::vector<Solid>& solids, std::vec
   const BoundsTree tree(std::move(interfaces));
   const auto look = [&](const auto& primitive, size_t id) {
     if (scene.materials[primitive.material].transmit > 0) return;
-    const BoundsTree::Item item{.box = boundsOf(scene, primitive), .owner = kNoMedium, .index = uint32_t(id)};
+    const BoundsTree::Item item{.box = boundsFromEye(scene, primitive), .owner = kNoMedium, .index = uint32_t(id)};
     tree.findMeeting(item.box, kNoMedium, [&](const BoundsTree::Item& other) {
       if (!marked[other.owner] && coincide(scene, item, other)) marked[other.owner] = true;
       return false;

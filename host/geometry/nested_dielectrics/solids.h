@@ -20,9 +20,9 @@ std::vector<Solid> solidsOf(const std::vector<Surface>& surfaces);
 template <class Visit>
 void forPrimitives(const Scene& scene, const Solid& solid, Visit&& visit) {
   for (const Surface* surface : solid.surfaces) {
-    if (surface->sphere != kNoMedium) visit(surface->sphere, boundsOf(scene, scene.spheres[surface->sphere]));
+    if (surface->sphere != kNoMedium) visit(surface->sphere, boundsFromEye(scene, scene.spheres[surface->sphere]));
     for (const uint32_t i : surface->triangles)
-      visit(uint32_t(scene.spheres.size()) + i, boundsOf(scene, scene.triangles[i]));
+      visit(uint32_t(scene.spheres.size()) + i, boundsFromEye(scene, scene.triangles[i]));
   }
 }
 

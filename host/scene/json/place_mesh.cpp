@@ -8,7 +8,9 @@
 #include <numbers>
 #include <utility>
 
+#include "base/errors.h"
 #include "base/reserve.h"
+#include "primitives/local_frame.h"
 #include "scene/json/unit_box.h"
 
 namespace turner {
@@ -46,30 +48,30 @@ glm::dmat3 rotationOfDegrees(const glm::dvec3& degrees) {
 }  // namespace
 
 bool placeMesh(const Mesh& mesh, uint32_t material, const Placement& placement, double largest, Scene& scene) {
-  const glm::dmat3 rotation = rotationOfDegrees(placement.degrees);
-  const auto place = [&](const glm::dvec3& position) {
-    return rotation * (placement.scale * position) + placement.translation;
-  };
-  for (const glm::dvec3& position : mesh.positions) {
-    const glm::dvec3 placed = place(position);
-    for (int k = 0; k < 3; ++k)
-      if (!(std::abs(placed[k]) <= largest)) return false;
-  }
+  const size_t firstPosition = scene.positions.size(), firstNormal = scene.normals.size();
+  if (std::max(firstPosition + mesh.positions.size(), firstNormal + mesh.normals.size()) > kNoNormals)
+    throw InputError("the scene's meshes have more vertices than 32-bit indices can name");
 
-  const auto isSmooth = [](const Mesh::Face& face) { return face.normals[0] != UINT32_MAX; };
+  const glm::dmat3 rotation = rotationOfDegrees(placement.degrees);
+  reservePrefaulted(scene.positions, mesh.positions.size());
+  for (const glm::dvec3& position : mesh.positions) {
+    const glm::dvec3 placed = rotation * (placement.scale * position) + placement.translation;
+    scene.positions.push_back(placed);
+    if (isWithin(placed, largest)) continue;
+    scene.positions.resize(firstPosition);
+    return false;
+  }
+  reservePrefaulted(scene.normals, mesh.normals.size());
+  for (const glm::dvec3& normal : mesh.normals) scene.normals.push_back(rotation * scaleToUnitBox(normal));
+
+  const auto shifted = [](const std::array<uint32_t, 3>& indices, size_t by) {
+    const uint32_t first = uint32_t(by);
+    return std::array{first + indices[0], first + indices[1], first + indices[2]};
+  };
   reservePrefaulted(scene.triangles, mesh.faces.size());
-  reservePrefaulted(scene.normals, size_t(std::count_if(mesh.faces.begin(), mesh.faces.end(), isSmooth)));
   for (const Mesh::Face& face : mesh.faces) {
-    Triangle triangle{};
-    triangle.material = material;
-    triangle.normals = kNoNormals;
-    // Placed for each triangle anew, though triangles share vertices: placed copies would take memory and more time.
-    for (size_t i = 0; i < 3; ++i) triangle.vertices[i] = place(mesh.positions[face.vertices[i]]);
-    if (isSmooth(face)) {
-      triangle.normals = static_cast<uint32_t>(scene.normals.size());
-      std::array<glm::dvec3, 3>& normals = scene.normals.emplace_back();
-      for (size_t i = 0; i < 3; ++i) normals[i] = rotation * scaleToUnitBox(mesh.normals[face.normals[i]]);
-    }
+    Triangle triangle{.positions = shifted(face.vertices, firstPosition), .material = material};
+    if (face.normals[0] != kNoNormals) triangle.normals = shifted(face.normals, firstNormal);
     scene.triangles.push_back(triangle);
   }
   return true;

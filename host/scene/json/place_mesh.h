@@ -15,8 +15,8 @@ struct Placement {
   glm::dvec3 degrees{0}, translation{0};
 };
 
-// Appends the faces of the mesh to the scene; false, and nothing is appended, if a coordinate would be larger than
-// `largest`.
+// Appends the mesh to the scene, each position and normal once; false, and nothing is appended, if a coordinate would
+// be larger than `largest`. Throws InputError if there would be more vertices than indices for them.
 bool placeMesh(const Mesh& mesh, uint32_t material, const Placement& placement, double largest, Scene& scene);
 
 }  // namespace turner

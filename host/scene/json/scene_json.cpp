@@ -66,6 +66,12 @@ class SceneReader {
   ParsedScene take() { return std::move(parsed_); }
 
  private:
+  struct MeshFile {
+    size_t placements = 0;  // that are still to come
+    bool isRead = false;
+    std::optional<Mesh> mesh;  // none before it is read, behind the last placement, and where the file has faults
+  };
+
   void readCamera(size_t at, const Field& field);
   void readLight(size_t at, const Field& field);
   void readFalloff(size_t at, const Field& field, Falloff& falloff);
@@ -73,10 +79,12 @@ class SceneReader {
   void readSphere(size_t at, const Field& field);
   void readCone(size_t at, const Field& field);
   void readTriangle(size_t at, const Field& field);
-  void readNormals(size_t at, const Field& field, Triangle& triangle);
+  std::optional<TriangleCorners> readNormals(size_t at, const Field& field);
   void readMesh(size_t at, const Field& field);
   void readMaterialName(size_t at, const Field& field, uint32_t& material);
-  const Mesh* loadMesh(size_t at, const Field& field, const std::string& file);
+  std::string meshPath(const std::string& file) const { return (folder_ / file).lexically_normal().string(); }
+  void countPlacements(size_t meshes);
+  MeshFile* loadMesh(size_t at, const Field& field, const std::string& file);
 
   std::filesystem::path folder_;
   JsonFields fields_;
@@ -84,7 +92,7 @@ class SceneReader {
   Scene& scene_ = parsed_.scene;
   std::vector<std::string> materialNames_;
   std::unordered_map<std::string_view, uint32_t> materials_;
-  std::map<std::string, std::optional<Mesh>> meshes_;  // by path; none where the file has faults
+  std::map<std::string, MeshFile> meshes_;  // by path
   std::string meshFaults_;
 };
 
@@ -133,6 +141,7 @@ void SceneReader::read() {
     fields_.readArray(triangles, {&root, "triangles"}, [&](size_t at, const Field& field) { readTriangle(at, field); });
   }
   if (meshes) {
+    countPlacements(meshes);
     fields_.readArray(meshes, {&root, "meshes"}, [&](size_t at, const Field& field) { readMesh(at, field); });
   }
 }
@@ -271,20 +280,24 @@ void SceneReader::readCone(size_t at, const Field& field) {
 }
 
 void SceneReader::readTriangle(size_t at, const Field& field) {
-  Triangle triangle{};
-  triangle.normals = kNoNormals;
+  TriangleCorners corners{};
+  std::optional<TriangleCorners> normals;
+  uint32_t material = 0;
   fields_.readObject(
       at, field,
       {{"vertices", true,
-        [&](size_t place, const Field& name) { fields_.readVectors(place, name, kAnyNumber, triangle.vertices); }},
-       {"normals", false, [&](size_t place, const Field& name) { readNormals(place, name, triangle); }},
-       {"material", true, [&](size_t place, const Field& name) { readMaterialName(place, name, triangle.material); }}});
-  scene_.triangles.push_back(triangle);
+        [&](size_t place, const Field& name) { fields_.readVectors(place, name, kAnyNumber, corners); }},
+       {"normals", false, [&](size_t place, const Field& name) { normals = readNormals(place, name); }},
+       {"material", true, [&](size_t place, const Field& name) { readMaterialName(place, name, material); }}});
+  if (normals)
+    scene_.addTriangle(corners, *normals, material);
+  else
+    scene_.addTriangle(corners, material);
 }
 
-void SceneReader::readNormals(size_t at, const Field& field, Triangle& triangle) {
-  std::array<glm::dvec3, 3> normals{};
-  if (!fields_.readVectors(at, field, kAnyNumber, normals)) return;
+std::optional<TriangleCorners> SceneReader::readNormals(size_t at, const Field& field) {
+  TriangleCorners normals{};
+  if (!fields_.readVectors(at, field, kAnyNumber, normals)) return {};
   // The squares of float32 numbers outside of this are 0 or infinite.
   constexpr double kShortest = 1e-15, kLongest = 1e15;
   bool isGood = true;
@@ -296,13 +309,21 @@ void SceneReader::readNormals(size_t at, const Field& field, Triangle& triangle)
                            "; its length must be from 1e-15 to 1e15");
     isGood = false;
   });
-  if (!isGood) return;
-  triangle.normals = static_cast<uint32_t>(scene_.normals.size());
-  scene_.normals.push_back(normals);
+  return isGood ? std::optional(normals) : std::nullopt;
+}
+
+// How often each file is placed: its mesh is freed behind the last time.
+void SceneReader::countPlacements(size_t meshes) {
+  if (fields_.node(meshes).kind != JsonKind::array) return;
+  for (size_t mesh = meshes + 1; mesh < fields_.node(meshes).next; mesh = fields_.node(mesh).next) {
+    if (fields_.node(mesh).kind != JsonKind::object) continue;
+    for (size_t key = mesh + 1; key < fields_.node(mesh).next; key = fields_.node(key + 1).next)
+      if (fields_.node(key).text == "file") ++meshes_[meshPath(std::string(fields_.node(key + 1).text))].placements;
+  }
 }
 
 void SceneReader::readMesh(size_t at, const Field& field) {
-  const Mesh* mesh = nullptr;
+  MeshFile* file = nullptr;
   uint32_t material = 0;
   Placement placement;
   const auto vectorInto = [&](glm::dvec3& vector) {
@@ -312,29 +333,30 @@ void SceneReader::readMesh(size_t at, const Field& field) {
       at, field,
       {{"file", true,
         [&](size_t place, const Field& name) {
-          std::string file;
-          if (fields_.readString(place, name, "the path of an .obj file", file)) mesh = loadMesh(place, name, file);
+          std::string path;
+          if (fields_.readString(place, name, "the path of an .obj file", path)) file = loadMesh(place, name, path);
         }},
        {"material", true, [&](size_t place, const Field& name) { readMaterialName(place, name, material); }},
        {"scale", false,
         [&](size_t place, const Field& name) { fields_.readNumber(place, name, kPositive, placement.scale); }},
        {"rotate", false, vectorInto(placement.degrees)},
        {"translate", false, vectorInto(placement.translation)}});
-  if (mesh && !placeMesh(*mesh, material, placement, kLargest, scene_)) {
+  if (!file) return;
+  if (file->mesh && !placeMesh(*file->mesh, material, placement, kLargest, scene_)) {
     fields_.addMessage(at, field, "the mesh, scaled and moved, reaches beyond 1e30; its vertices must stay within");
   }
+  if (--file->placements == 0) file->mesh.reset();
 }
 
-const Mesh* SceneReader::loadMesh(size_t at, const Field& field, const std::string& file) {
+SceneReader::MeshFile* SceneReader::loadMesh(size_t at, const Field& field, const std::string& file) {
   if (lowerExtension(file) != ".obj" || file.find('\0') != std::string::npos) {
     fields_.addFault(at, field, "the path of an .obj file");
     return nullptr;
   }
 
-  const std::string path = (folder_ / file).lexically_normal().string();
-  const auto [entry, isNew] = meshes_.try_emplace(path);
-  std::optional<Mesh>& mesh = entry->second;
-  if (!isNew) return mesh ? &*mesh : nullptr;
+  const std::string path = meshPath(file);
+  MeshFile& entry = meshes_[path];
+  if (std::exchange(entry.isRead, true)) return &entry;
 
   std::string text;
   try {
@@ -344,18 +366,18 @@ const Mesh* SceneReader::loadMesh(size_t at, const Field& field, const std::stri
     std::string reason = error.what();
     if (const std::string prefix = path + ": error: "; reason.starts_with(prefix)) reason.erase(0, prefix.size());
     fields_.addMessage(at, field, "found " + quote(file) + "; " + reason);
-    return nullptr;
+    return &entry;
   }
   std::future<std::string> hash = std::async(sha256Hex, std::string_view(text));  // beside the parser, on another core
   try {
-    mesh = parseObj(path, text);
+    entry.mesh = parseObj(path, text);
   } catch (const InputError& error) {
     if (!meshFaults_.empty()) meshFaults_ += '\n';
     meshFaults_ += error.what();
-    return nullptr;
+    return &entry;
   }
   scene_.sources.push_back({file, hash.get()});
-  return &*mesh;
+  return &entry;
 }
 
 }  // namespace

@@ -23,15 +23,20 @@ PrimitiveCounts countPrimitives(std::string_view text) {
         if (text[digit] < '0' || text[digit] > '9') break;
         corners = 10 * corners + size_t(text[digit] - '0');
       }
-      if (corners > 2) (smooth ? counts.smooth : counts.triangles) += std::min(corners, mostCorners) - 2;
+      corners = std::min(corners, mostCorners);
+      counts.corners += corners;
+      if (smooth) counts.smoothCorners += corners;
+      if (corners > 2) counts.triangles += corners - 2;
     }
     const size_t lineEnd = text.find('\n', at);
     if (lineEnd == std::string_view::npos) break;
     at = lineEnd + 1;
   }
-  counts.triangles += counts.smooth;
-  return {std::min(counts.spheres, mostSpheres), std::min(counts.triangles, mostCorners),
-          std::min(counts.smooth, mostCorners), std::min(counts.cones, mostCones)};
+  return {.spheres = std::min(counts.spheres, mostSpheres),
+          .cones = std::min(counts.cones, mostCones),
+          .triangles = std::min(counts.triangles, mostCorners),
+          .corners = std::min(counts.corners, mostCorners),
+          .smoothCorners = std::min(counts.smoothCorners, mostCorners)};
 }
 
 }  // namespace turner::nff

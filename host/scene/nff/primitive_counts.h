@@ -7,7 +7,9 @@
 namespace turner::nff {
 
 struct PrimitiveCounts {
-  size_t spheres = 0, triangles = 0, smooth = 0, cones = 0;  // triangles: smooth ones too
+  size_t spheres = 0, cones = 0;
+  size_t triangles = 0;                   // of polygons
+  size_t corners = 0, smoothCorners = 0;  // of polygons, smooth ones too; of these only
 };
 
 // Right if each entity begins at the start of its line; never more than a text of this size can hold.

@@ -39,7 +39,8 @@ class NffParser {
     reservePrefaulted(result_.scene.spheres, counts.spheres);
     reservePrefaulted(result_.scene.cones, counts.cones);
     reservePrefaulted(result_.scene.triangles, counts.triangles);
-    reservePrefaulted(result_.scene.normals, counts.smooth);
+    reservePrefaulted(result_.scene.positions, counts.corners);
+    reservePrefaulted(result_.scene.normals, counts.smoothCorners);
     const std::filesystem::path file(path);
     result_.scene.name = file.stem().string();
     result_.scene.sources = {{file.filename().string(), ""}};
@@ -179,15 +180,6 @@ class NffParser {
     result_.scene.spheres.push_back({numbers.vector(0), numbers[3], currentMaterial(word)});
   }
 
-  void addTriangle(const std::array<glm::dvec3, 3>& vertices, uint32_t material) {
-    result_.scene.triangles.push_back({vertices, material, kNoNormals});
-  }
-  void addTriangle(const std::array<glm::dvec3, 3>& vertices, const std::array<glm::dvec3, 3>& normals,
-                   uint32_t material) {
-    result_.scene.triangles.push_back({vertices, material, uint32_t(result_.scene.normals.size())});
-    result_.scene.normals.push_back(normals);
-  }
-
   // The number of corners that a polygon announces.
   size_t readCornerCount(const char* form) {
     const Token token = lines_.next();
@@ -243,13 +235,16 @@ class NffParser {
     const uint32_t material = currentMaterial(word);
     const auto triangles = triangulate(word);
     if (triangles.empty()) ++polygonsWithoutArea_;
+    Scene& scene = result_.scene;
+    const uint32_t position = uint32_t(scene.positions.size()), normal = uint32_t(scene.normals.size());
     for (const auto& [a, b, c] : triangles) {
-      if (smooth) {
-        addTriangle({corners[a], corners[b], corners[c]}, {normals[a], normals[b], normals[c]}, material);
-      } else {
-        addTriangle({corners[a], corners[b], corners[c]}, material);
-      }
+      Triangle triangle{.positions = {position + a, position + b, position + c}, .material = material};
+      if (smooth) triangle.normals = {normal + a, normal + b, normal + c};
+      scene.triangles.push_back(triangle);
     }
+    if (triangles.empty()) return;
+    scene.positions.insert(scene.positions.end(), corners.begin(), corners.end());
+    scene.normals.insert(scene.normals.end(), normals.begin(), normals.end());
   }
 
   std::vector<std::array<uint32_t, 3>> triangulate(const Token& word) {

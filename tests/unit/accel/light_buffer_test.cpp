@@ -42,15 +42,16 @@ struct Listed {
 
   explicit Listed(Scene scene) {
     for (Sphere& sphere : scene.spheres) sphere.center = toFloat(sphere.center), sphere.radius = float(sphere.radius);
-    for (Triangle& triangle : scene.triangles)
-      for (dvec3& vertex : triangle.vertices) vertex = toFloat(vertex);
+    for (dvec3& position : scene.positions) position = toFloat(position);
     prepared = prepareGeometry(std::move(scene));
     bvh = buildBvh(prepared.boxes, prepared.typeStarts());
     for (uint i = 0; i < bvh.order.size(); ++i)
       references.push_back((bvh.order[i] >= prepared.firstPair() ? gpu::kRefTriangle : 0) | i);
   }
   LightBufferTree tree() const { return {prepared, bvh, references}; }
-  const std::vector<Triangle>& triangles() const { return prepared.scene.triangles; }
+  TriangleCorners anyTriangle(RandomNumbers& random) const {
+    return prepared.scene.cornersOf(random.index(prepared.scene.triangles.size()));
+  }
 };
 
 LightBufferPoint pointAt(const dvec3& position, size_t rays, int walk = 0) {
@@ -115,8 +116,8 @@ double distanceTo(const Sphere& sphere, const dvec3& origin, const dvec3& d) {
   return b - half > 0 ? (b - half) / squared : b + half > 0 ? (b + half) / squared : kMiss;
 }
 
-double distanceTo(const Triangle& triangle, const dvec3& origin, const dvec3& d) {
-  const auto& [a, b, c] = triangle.vertices;
+double distanceTo(const TriangleCorners& corners, const dvec3& origin, const dvec3& d) {
+  const auto& [a, b, c] = corners;
   const dvec3 e1 = b - a, e2 = c - a, p = glm::cross(d, e2), s = origin - a, q = glm::cross(s, e1);
   const double det = glm::dot(p, e1), u = glm::dot(s, p) / det, v = glm::dot(d, q) / det;
   const double t = glm::dot(e2, q) / det;
@@ -127,8 +128,8 @@ double distanceTo(const Triangle& triangle, const dvec3& origin, const dvec3& d)
 double distanceTo(const PreparedGeometry& prepared, uint box, const dvec3& origin, const dvec3& d) {
   if (box < prepared.firstPair()) return distanceTo(prepared.scene.spheres[box], origin, d);
   const TrianglePair& pair = prepared.pairs[box - prepared.firstPair()];
-  const double t = distanceTo(prepared.scene.triangles[pair.first], origin, d);
-  return pair.isAlone() ? t : std::min(t, distanceTo(prepared.scene.triangles[pair.second], origin, d));
+  const double t = distanceTo(prepared.scene.cornersOf(pair.first), origin, d);
+  return pair.isAlone() ? t : std::min(t, distanceTo(prepared.scene.cornersOf(pair.second), origin, d));
 }
 
 // The shapes below a node, with the least distance that the list tells for them.
@@ -173,8 +174,8 @@ Scene mixture(RandomNumbers& random, int count) {
     } else {
       const dvec3 edge = random.point(size);
       const dvec3 other = i % 3 == 1 ? random.point(size) : random.between(0, 1) * edge + random.point(1e-5 * size);
-      scene.triangles.push_back({{at, at + edge, at + other}, 0});
-      if (i % 2) scene.triangles.push_back({{at + edge, at, at + (i % 4 == 1 ? edge - other : random.point(size))}, 0});
+      scene.addTriangle({at, at + edge, at + other}, 0);
+      if (i % 2) scene.addTriangle({at + edge, at, at + (i % 4 == 1 ? edge - other : random.point(size))}, 0);
     }
   }
   return scene;
@@ -185,19 +186,17 @@ TEST(LightBuffer, HoldsWhateverRaysHit) {
   for (int trial = 0; trial < 60; ++trial) {
     SCOPED_TRACE("trial " + std::to_string(trial));
     const Listed listed(mixture(random, 3 + trial * 4));
-    const Triangle& triangle = listed.triangles()[random.index(listed.triangles().size())];
+    const TriangleCorners v = listed.anyTriangle(random);
     std::vector<LightBufferPoint> points;
     const size_t rays = size_t(1) << (8 + trial % 5 * 4);
-    for (const dvec3& position :
-         {random.point(1), random.point(4), dvec3(1e3, -400, 20), dvec3(-1e6, 3e5, 2e5), dvec3(0), triangle.vertices[0],
-          (triangle.vertices[0] + triangle.vertices[1] + triangle.vertices[2]) / 3.0})
+    for (const dvec3& position : {random.point(1), random.point(4), dvec3(1e3, -400, 20), dvec3(-1e6, 3e5, 2e5),
+                                  dvec3(0), v[0], (v[0] + v[1] + v[2]) / 3.0})
       points.push_back(pointAt(toFloat(position), rays));
     const LightBuffers lightBuffers = buildLightBuffers(points, listed.tree());
     for (size_t p = 0; p < points.size(); ++p) {
       for (int ray = 0; ray < 40; ++ray) {
         // Half of the rays go to a corner or an edge of something, where a cell ends most likely.
-        const Triangle& goal = listed.triangles()[random.index(listed.triangles().size())];
-        const auto& [a, b, c] = goal.vertices;
+        const auto [a, b, c] = listed.anyTriangle(random);
         const double s = ray % 4 == 0 ? 0 : random.between(0, 1);
         const dvec3 target = ray % 2 ? random.point(1) : s * a + (1 - s) * (ray % 3 ? b : c);
         const glm::vec3 d = target - points[p].position;
@@ -238,8 +237,8 @@ TEST(LightBuffer, HoldsWhateverRaysFromAfarHit) {
   const auto corner = [](int x, int y) { return dvec3(x * 2.0 / kTiles - 1, y * 2.0 / kTiles - 1, 0); };
   for (int y = 0; y < kTiles; ++y)
     for (int x = 0; x < kTiles; ++x) {
-      scene.triangles.push_back({{corner(x, y), corner(x + 1, y), corner(x + 1, y + 1)}, 0});
-      scene.triangles.push_back({{corner(x, y), corner(x + 1, y + 1), corner(x, y + 1)}, 0});
+      scene.addTriangle({corner(x, y), corner(x + 1, y), corner(x + 1, y + 1)}, 0);
+      scene.addTriangle({corner(x, y), corner(x + 1, y + 1), corner(x, y + 1)}, 0);
     }
   const Listed listed(std::move(scene));
   const LightBufferPoint point = pointAt({600, -500, 1000}, 1 << 22);
@@ -262,8 +261,8 @@ TEST(LightBuffer, HoldsWhateverRaysHitOfALargeScene) {
   };
   for (int y = 0; y < kTiles; ++y)
     for (int x = 0; x < kTiles; ++x) {
-      scene.triangles.push_back({{corner(x, y), corner(x + 1, y), corner(x + 1, y + 1)}, 0});
-      scene.triangles.push_back({{corner(x, y), corner(x + 1, y + 1), corner(x, y + 1)}, 0});
+      scene.addTriangle({corner(x, y), corner(x + 1, y), corner(x + 1, y + 1)}, 0);
+      scene.addTriangle({corner(x, y), corner(x + 1, y + 1), corner(x, y + 1)}, 0);
     }
   const Listed listed(std::move(scene));
   ASSERT_EQ(listed.prepared.pairs.size(), size_t(kTiles * kTiles));
@@ -366,7 +365,7 @@ TEST(LightBuffer, PointAmongLargeTrianglesStaysBounded) {
   Scene scene;
   for (int i = 0; i < 2500; ++i) {
     const dvec3 at = random.point(1);
-    scene.triangles.push_back({{at, at + random.point(1), at + random.point(1)}, 0});
+    scene.addTriangle({at, at + random.point(1), at + random.point(1)}, 0);
   }
   const Listed listed(std::move(scene));
   LightBufferPoint point = pointAt({0, 0, 0}, 1 << 16);

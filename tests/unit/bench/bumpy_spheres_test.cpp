@@ -24,10 +24,10 @@ TEST(BumpySpheres, AreClosed) {
   using Point = std::tuple<double, double, double>;
   std::map<std::pair<Point, Point>, int> edges;
   const Scene scene = bumpySpheres(1000);
-  for (const Triangle& triangle : scene.triangles)
+  for (size_t triangle = 0; triangle < scene.triangles.size(); ++triangle)
     for (size_t k = 0; k < 3; ++k) {
       const auto point = [&](size_t i) {
-        const glm::dvec3& v = triangle.vertices[i % 3];
+        const glm::dvec3 v = scene.cornersOf(triangle)[i % 3];
         return Point(v.x, v.y, v.z);
       };
       ++edges[{point(k), point(k + 1)}];
@@ -43,8 +43,11 @@ TEST(BumpySpheres, AreClosed) {
 // The volume of a closed surface, by the signs of its faces: that of five balls with bumps.
 TEST(BumpySpheres, FaceOutward) {
   double volume = 0;
-  for (const auto& [v, material, normals] : bumpySpheres(10'000).triangles)
+  const Scene scene = bumpySpheres(10'000);
+  for (const Triangle& triangle : scene.triangles) {
+    const TriangleCorners v = scene.cornersOf(triangle);
     volume += glm::dot(v[0], glm::cross(v[1], v[2])) / 6;
+  }
   double most = 0, least = 0;
   for (const double radius : {1.0, 0.8, 0.85, 0.5, 0.45}) {
     const double ball = 4.0 / 3.0 * M_PI * std::pow(radius, 3);

@@ -121,12 +121,40 @@ TEST(NestedDielectrics, ClosedTrianglesMakeOne) {
   open.triangles.erase(open.triangles.begin() + 3);
   EXPECT_EQ(solidsOf(open), 0u) << "a box with a hole in it";
   Scene turned = scene;
-  std::swap(turned.triangles[3].vertices[0], turned.triangles[3].vertices[1]);
+  std::swap(turned.triangles[3].positions[0], turned.triangles[3].positions[1]);
   EXPECT_EQ(solidsOf(turned), 0u) << "a triangle faces the wrong way";
   Scene apart = emptyScene();
   addBox(apart, {0, 0, 0}, {1, 1, 1}, kGlass);
   addBox(apart, {1.001, 0, 0}, {2, 1, 1}, kWater);
   EXPECT_EQ(solidsOf(apart), 0u);
+}
+
+// The same positions under fewer indices: each of the last `kept` triangles keeps its own.
+Scene weld(const Scene& scene, size_t kept) {
+  Scene welded = scene;
+  for (size_t i = 0; i + kept < scene.triangles.size(); ++i)
+    for (uint32_t& index : welded.triangles[i].positions)
+      index = uint32_t(std::find(scene.positions.begin(), scene.positions.end(), scene.positions[index]) -
+                       scene.positions.begin());
+  return welded;
+}
+
+TEST(NestedDielectrics, SolidsDoNotDependOnWhetherVerticesAreRepeated) {
+  Scene scene = emptyScene();
+  addBox(scene, {0, 0, 0}, {1, 1, 1}, kGlass);
+  addBox(scene, {1, 0, 0}, {2, 1, 1}, kGlass);
+  addBox(scene, {0.5, 0.5, 0.5}, {3, 3, 3}, kWater);
+  const NestedDielectrics expected = findNestedDielectrics(scene);
+  ASSERT_EQ(expected.materials.size(), 3u);
+  for (const size_t kept : {0u, 7u, 30u}) {
+    SCOPED_TRACE(kept);
+    const NestedDielectrics found = findNestedDielectrics(weld(scene, kept));
+    EXPECT_EQ(found.materials, expected.materials);
+    EXPECT_EQ(found.ofTriangles, expected.ofTriangles);
+  }
+  Scene open = weld(scene, 0);
+  open.triangles.erase(open.triangles.begin() + 3);
+  EXPECT_EQ(solidsOf(open), 2u) << "a box with a hole in it";
 }
 
 TEST(NestedDielectrics, BoxesOfOneMaterialInARowAreTwo) {
@@ -155,7 +183,7 @@ TEST(NestedDielectrics, SpheresAndMeshesMeet) {
   for (int i = 0; i < 8; ++i) {
     const dvec3 x(i & 1 ? -1 : 1, 0, 0), y(0, i & 2 ? -1 : 1, 0), z(0, 0, i & 4 ? -1 : 1);
     const bool turned = (i & 1) ^ (i >> 1 & 1) ^ (i >> 2 & 1);
-    scene.triangles.push_back({{x, turned ? z : y, turned ? y : z}, kGlass});
+    scene.addTriangle({x, turned ? z : y, turned ? y : z}, kGlass);
   }
   const auto with = [&](const Sphere& sphere) {
     Scene both = scene;
@@ -175,9 +203,9 @@ TEST(NestedDielectrics, VertexNormalsDecideTheFront) {
   addBox(scene, {1, 0, 0}, {2, 2, 2}, kWater);
   EXPECT_EQ(solidsOf(scene), 0u) << "inside out";
   for (size_t i = 0; i < 12; ++i) {
-    const auto& [a, b, c] = scene.triangles[i].vertices;
-    scene.triangles[i].normals = uint32_t(scene.normals.size());
-    scene.normals.push_back({glm::cross(c - a, b - a), glm::cross(c - a, b - a), glm::cross(c - a, b - a)});
+    const auto [a, b, c] = scene.cornersOf(i);
+    scene.triangles[i].normals.fill(uint32_t(scene.normals.size()));
+    scene.normals.push_back(glm::cross(c - a, b - a));
   }
   EXPECT_EQ(solidsOf(scene), 2u);
 }
@@ -208,8 +236,9 @@ TEST(NestedDielectrics, ThoseOnSomethingOpaqueAreNoticedWhereRoundingSeparatesTh
       addQuad(scene, -4.0 * x - 4.0 * z, 8.0 * z, 8.0 * x, kMatte);
       addParallelepiped(scene, gap * y, x, y, z, kGlass);
       EXPECT_EQ(solidsOf(scene), gap < 0.01 && (gap > 0 || lean > 0) ? 1u : 0u) << lean << ' ' << gap;
-      for (Triangle& triangle : scene.triangles)
-        if (triangle.material == kMatte) triangle.vertices[0] += 0.01 * y, triangle.vertices[1] -= 0.01 * y;
+      for (const Triangle& triangle : scene.triangles)
+        if (triangle.material == kMatte)
+          scene.positions[triangle.positions[0]] += 0.01 * y, scene.positions[triangle.positions[1]] -= 0.01 * y;
       EXPECT_EQ(solidsOf(scene), 0u) << "across each other";
     }
   }
@@ -300,10 +329,11 @@ TEST(NestedDielectrics, SidesAreThoseOfWholeTriangles) {
   scene.camera = {.eye = {2, 3, 6}, .target = {0, 0, 0}, .fov = 40};
   addBox(scene, dvec3(-1), dvec3(1), kGlass);
   for (Triangle& triangle : scene.triangles) {
-    const auto& [a, b, c] = triangle.vertices;
+    const auto [a, b, c] = scene.cornersOf(triangle);
     const dvec3 n = glm::cross(b - a, c - a);
-    triangle.normals = uint32_t(scene.normals.size());
-    scene.normals.push_back({n, n, -n});
+    const uint32_t first = uint32_t(scene.normals.size());
+    triangle.normals = {first, first, first + 1};
+    scene.normals.insert(scene.normals.end(), {n, -n});
   }
   scene.spheres = {{{0, 0, 0}, 0.5, kWater}};
   const RenderSettings settings = test::settingsOf(scene, 64, 64);

@@ -26,18 +26,15 @@ Scene mixedScene() {
         {{100 + place(random), 200 + place(random), 290 + place(random)}, size(random), uint32_t(i % 2)});
   for (int i = 0; i < 300; ++i) {
     const glm::dvec3 corner(100 + place(random), 200 + place(random), 290 + place(random));
-    scene.triangles.push_back(
-        {{corner, corner + glm::dvec3(size(random), 0, 0), corner + glm::dvec3(0, size(random), 0.1)},
-         uint32_t(i % 2)});
+    scene.addTriangle({corner, corner + glm::dvec3(size(random), 0, 0), corner + glm::dvec3(0, size(random), 0.1)},
+                      uint32_t(i % 2));
     if (i % 3 != 0) continue;
     // A neighbour across the edge from the second vertex to the third; every other pair is smooth.
-    const auto [a, b, c] = scene.triangles.back().vertices;
-    scene.triangles.push_back({{c, b, b + c - a}, uint32_t(i % 2)});
+    const auto [a, b, c] = scene.cornersOf(scene.triangles.back());
+    scene.addTriangle({c, b, b + c - a}, uint32_t(i % 2));
     if (i % 2 == 0) continue;
-    for (size_t k = scene.triangles.size() - 2; k < scene.triangles.size(); ++k) {
-      scene.triangles[k].normals = uint32_t(scene.normals.size());
-      scene.normals.push_back({glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0), glm::dvec3(0, 0, 1)});
-    }
+    scene.normals = {glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0), glm::dvec3(0, 0, 1)};
+    for (size_t k = scene.triangles.size() - 2; k < scene.triangles.size(); ++k) scene.triangles[k].normals = {0, 1, 2};
   }
   return scene;
 }
@@ -59,9 +56,8 @@ TEST(RoundScene, GivesValuesThatAreFloats) {
     EXPECT_TRUE(isFloat(sphere.radius));
     for (int k = 0; k < 3; ++k) EXPECT_TRUE(isFloat(sphere.center[k]));
   }
-  for (const Triangle& triangle : local.triangles)
-    for (const glm::dvec3& vertex : triangle.vertices)
-      for (int k = 0; k < 3; ++k) EXPECT_TRUE(isFloat(vertex[k]));
+  for (const glm::dvec3& position : local.positions)
+    for (int k = 0; k < 3; ++k) EXPECT_TRUE(isFloat(position[k]));
 }
 
 TEST(RoundScene, KeepsTheEyesHeightOverAGiantSphere) {
@@ -98,8 +94,10 @@ TEST(RoundScene, RefusesWhatFloatsCannotHold) {
   far.spheres[7].center.x = 1e20;
   EXPECT_THROW(checkReach(roundScene(far)), InputError);
   far = scene;
-  far.triangles[7].vertices[1].y = -1e29;
+  far.positions[far.triangles[7].positions[1]].y = -1e29;
   EXPECT_THROW(checkReach(roundScene(far)), InputError);
+  far.triangles.erase(far.triangles.begin() + 7);
+  EXPECT_NO_THROW(checkReach(roundScene(far))) << "a vertex that no triangle has is far away";
   far = scene;
   far.camera.target = far.camera.eye + glm::dvec3(0, 0, -1e-10);
   EXPECT_THROW(checkReach(roundScene(far)), InputError);
@@ -191,21 +189,22 @@ struct PackedCensus {
     ++seen.at(id);
     const Triangle& triangle = local.triangles.at(id - local.spheres.size());
     EXPECT_EQ(material, triangle.material);
-    EXPECT_EQ(normals == gpu::kRefNone, triangle.normals == kNoNormals);
+    EXPECT_EQ(normals != gpu::kRefNone, triangle.isSmooth());
+    const TriangleCorners corners = local.cornersOf(triangle);
     const auto vector = [](const gpu::vec3& v) { return glm::dvec3(v.x, v.y, v.z); };
     size_t turn = 0;
-    while (turn < 3 && vector(vertices[0]) != triangle.vertices[turn]) ++turn;
+    while (turn < 3 && vector(vertices[0]) != corners[turn]) ++turn;
     ASSERT_LT(turn, 3u);
     for (size_t i = 0; i < 3; ++i) {
       const glm::dvec3 vertex = vector(vertices[i]);
-      EXPECT_EQ(vertex, triangle.vertices[(turn + i) % 3]);
+      EXPECT_EQ(vertex, corners[(turn + i) % 3]);
       expectInside(vertex);
       EXPECT_NEAR(glm::dot(vector(plane.normal), vertex), double(plane.offset), 1e-6);
       if (normals == gpu::kRefNone) continue;
       const gpu::VertexNormals& n = packed.vertexNormals.at(normals);
-      EXPECT_EQ(vector(i == 0 ? n.n0 : i == 1 ? n.n1 : n.n2), local.normals[triangle.normals][(turn + i) % 3]);
+      EXPECT_EQ(vector(i == 0 ? n.n0 : i == 1 ? n.n1 : n.n2), local.normalsOf(triangle)[(turn + i) % 3]);
     }
-    const auto& [a, b, c] = triangle.vertices;
+    const auto& [a, b, c] = corners;
     EXPECT_GT(glm::dot(vector(plane.normal), glm::cross(b - a, c - a)), 0);
   }
 
@@ -259,7 +258,7 @@ TEST(Pack, AsksForNoMoreThanTheSceneNeeds) {
   EXPECT_TRUE(features.smoothNormals);
   EXPECT_FALSE(features.highlights || features.falloff);
   scene.spheres.clear();
-  for (Triangle& triangle : scene.triangles) triangle.material = 0, triangle.normals = kNoNormals;
+  for (Triangle& triangle : scene.triangles) triangle = {.positions = triangle.positions};
   features = pack(scene).features;
   EXPECT_FALSE(features.spheres || features.smoothNormals || features.reflection || features.refraction)
       << "an unused material counts";

@@ -164,7 +164,7 @@ TEST(Render, LowestIdWinsAmongCoincidentTriangles) {
   scene.camera = {.eye = {0, 0, 3}, .target = {0, 0, 0}};
   scene.lights.push_back({.position = {0, 0, 5}});
   scene.materials = {closed_form::matte({1, 0, 0}), closed_form::matte({0, 1, 0})};
-  for (int i = 0; i < 1000; ++i) scene.triangles.push_back({{{{-9, -9, 0}, {9, -9, 0}, {0, 9, 0}}}, uint32_t(i > 0)});
+  for (int i = 0; i < 1000; ++i) scene.addTriangle({glm::dvec3(-9, -9, 0), {9, -9, 0}, {0, 9, 0}}, uint32_t(i > 0));
   const Image image = renderShader(scene, settingsOf(scene, 32, 32));
   for (size_t i = 0; i < image.rgb.size(); i += 3) {
     EXPECT_GT(image.rgb[i], 0.1f);
@@ -181,11 +181,11 @@ TEST(Render, LowestIdWinsAmongRotatedCopies) {
   std::mt19937 random(11);
   std::uniform_real_distribution<double> place(-1.5, 1.5);
   const auto point = [&] { return glm::dvec3(place(random), place(random), place(random)); };
-  for (int i = 0; i < 20; ++i) scene.triangles.push_back({{{point(), point(), point()}}, 0});
+  for (int i = 0; i < 20; ++i) scene.addTriangle({point(), point(), point()}, 0);
   for (int i = 0; i < 20; ++i) {
-    const auto [a, b, c] = scene.triangles[size_t(i)].vertices;
-    scene.triangles.push_back({{{b, c, a}}, 1});
-    scene.triangles.push_back({{{c, b, a}}, 1});
+    const auto [a, b, c] = scene.cornersOf(size_t(i));
+    scene.addTriangle({b, c, a}, 1);
+    scene.addTriangle({c, b, a}, 1);
   }
   const Image image = renderShader(scene, settingsOf(scene, 160, 160));
   for (size_t i = 1; i < image.rgb.size(); i += 3) EXPECT_EQ(image.rgb[i], 0.0f) << "a copy is seen";
@@ -202,16 +202,16 @@ TEST(Render, PairsGiveThePictureOfTheirTriangles) {
   std::mt19937 random(21);
   std::uniform_real_distribution<double> place(-2, 2), near(-0.7, 0.7);
   const auto point = [&](auto& range) { return glm::dvec3(range(random), range(random), range(random)); };
-  std::vector<Triangle> seconds;
   for (uint32_t i = 0; i < 300; ++i) {
     const glm::dvec3 a = point(place), b = a + point(near), c = a + point(near), d = a + point(near);
-    paired.triangles.push_back({{a, b, c}, i % 3});
-    seconds.push_back({{c, b, d}, i % 3});
+    paired.addTriangle({a, b, c}, i % 3);
+    paired.addTriangle({c, b, d}, i % 3);
   }
   Scene alone = paired;
-  alone.triangles.insert(alone.triangles.end(), seconds.begin(), seconds.end());
-  for (size_t i = 0; i < 300; ++i)
-    paired.triangles.insert(paired.triangles.begin() + std::ptrdiff_t(2 * i + 1), seconds[i]);
+  for (size_t i = 0; i < 300; ++i) {
+    alone.triangles[i] = paired.triangles[2 * i];
+    alone.triangles[300 + i] = paired.triangles[2 * i + 1];
+  }
   ASSERT_LT(prepareGeometry(roundScene(paired)).pairs.size(), 400u);
   ASSERT_EQ(prepareGeometry(roundScene(alone)).pairs.size(), 600u);
   const RenderSettings settings = settingsOf(paired, 160, 120);
@@ -486,7 +486,7 @@ TEST(Render, LoopsOfFewLanesAreBounded) {
   std::uniform_real_distribution<double> place(-0.0262, 0.0262), anywhere(-1, 1);
   for (int i = 0; i < 2700; ++i) {
     const glm::dvec3 corner(place(random), place(random), 0);
-    scene.triangles.push_back({{corner, corner + glm::dvec3(5e-4, 0, 0), corner + glm::dvec3(0, 5e-4, 0)}, 0});
+    scene.addTriangle({corner, corner + glm::dvec3(5e-4, 0, 0), corner + glm::dvec3(0, 5e-4, 0)}, 0);
   }
   for (int i = 0; i < 300; ++i) scene.lights.push_back({.position = {anywhere(random), anywhere(random), -2}});
   const RenderSettings settings = settingsOf(scene, 8, 8, 16);

@@ -37,8 +37,7 @@ Scene halfPlane(int column, double past = 0) {
   scene.background = dvec3(1);
   scene.camera = lookAt({0, 0, 1}, {0, 0, 0}, {0, 1, 0}, 90);
   const double edge = (2 * column + 1 - kSize) / double(kSize) + past;
-  scene.triangles.push_back(
-      {{dvec3(edge, -90, 0), dvec3(edge, 90, 0), dvec3(-90, 0, 0)}, addMaterial(scene, matte(dvec3(0)))});
+  scene.addTriangle({dvec3(edge, -90, 0), dvec3(edge, 90, 0), dvec3(-90, 0, 0)}, addMaterial(scene, matte(dvec3(0))));
   return scene;
 }
 

@@ -45,8 +45,7 @@ Scene edgeScene() {
   Scene scene;
   scene.background = dvec3(1);
   scene.camera = lookAt({0, 0, 1}, {0, 0, 0}, {0, 1, 0}, 90);
-  scene.triangles.push_back(
-      {{dvec3(-30, -9.7, 0), dvec3(30, 10.1, 0), dvec3(-30, 90, 0)}, addMaterial(scene, matte(dvec3(0)))});
+  scene.addTriangle({dvec3(-30, -9.7, 0), dvec3(30, 10.1, 0), dvec3(-30, 90, 0)}, addMaterial(scene, matte(dvec3(0))));
   return scene;
 }
 
@@ -91,7 +90,7 @@ TEST(Sampling, ErrorIsThatAgainstTheEdgesArea) {
   // A vertical edge that leaves each pixel of its column 0.3 white: one sample at the centre is 0.3 too dark there.
   Scene scene = edgeScene();
   const double edge = (2 * 16.7 - kSize) / kSize;
-  scene.triangles[0].vertices = {dvec3(edge, -90, 0), dvec3(edge, 90, 0), dvec3(-90, 0, 0)};
+  scene.positions = {dvec3(edge, -90, 0), dvec3(edge, 90, 0), dvec3(-90, 0, 0)};
   const SamplingError error = samplingOf(scene, settings());
   const double expected = 0.3 * std::sqrt(1.0 / kSize);
   EXPECT_NEAR(error.figures.rmse, expected, 0.03 * expected);

@@ -82,12 +82,11 @@ Scene mixedScene(uint32_t seed, int spheres, int triangles) {
   for (int i = 0; i < triangles; ++i) {
     const dvec3 corner = numbers.point(4);
     const double size = i % 9 == 0 ? 4 : 0.5;
-    Triangle triangle{{corner, corner + numbers.point(size), corner + numbers.point(size)}, uint32_t(i % 3)};
-    if (i % 2 == 0) {
-      triangle.normals = uint32_t(scene.normals.size());
-      scene.normals.push_back({numbers.point(1), numbers.point(1), numbers.point(1)});
-    }
-    scene.triangles.push_back(triangle);
+    const TriangleCorners corners{corner, corner + numbers.point(size), corner + numbers.point(size)};
+    if (i % 2 == 0)
+      scene.addTriangle(corners, {numbers.point(1), numbers.point(1), numbers.point(1)}, uint32_t(i % 3));
+    else
+      scene.addTriangle(corners, uint32_t(i % 3));
   }
   return scene;
 }
@@ -115,16 +114,14 @@ TEST(Reference, TreeFindsWhatBruteForceFindsFarFromTheOrigin) {
   scene.camera.target += offset;
   for (Light& light : scene.lights) light.position += offset;
   for (Sphere& sphere : scene.spheres) sphere.center += offset;
-  for (Triangle& triangle : scene.triangles)
-    for (dvec3& vertex : triangle.vertices) vertex += offset;
+  for (dvec3& position : scene.positions) position += offset;
   expectTreeFindsAll(scene, pixels(40, 30));
 }
 
 TEST(Reference, TreeTakesManyPrimitivesInOnePlace) {
   Scene scene = mixedScene(8, 0, 0);
   for (int i = 0; i < 700; ++i) scene.spheres.push_back({{0, 0, 0}, 1 + 1e-3 * i, uint32_t(i % 2)});
-  for (int i = 0; i < 700; ++i)
-    scene.triangles.push_back({{dvec3(-4, -2, 2), dvec3(4, -2, 2), dvec3(0, 3, 2)}, uint32_t(i % 2)});
+  for (int i = 0; i < 700; ++i) scene.addTriangle({dvec3(-4, -2, 2), dvec3(4, -2, 2), dvec3(0, 3, 2)}, uint32_t(i % 2));
   expectTreeFindsAll(scene, pixels(24, 24));
 }
 
@@ -156,7 +153,7 @@ TEST(Reference, TreeTakesRaysAlongTheAxes) {
       }
     // Behind every second square there is none, so that rays go on to the mirrors and come back.
     for (size_t k = 0; k < scene.triangles.size(); k += 16)
-      scene.triangles[k].vertices[1] = scene.triangles[k].vertices[0];
+      scene.triangles[k].positions[1] = scene.triangles[k].positions[0];
     // A narrow picture: the middle column and row have direction components of zero.
     for (const dvec3& offset : {dvec3(0), 0.5 * right + 0.5 * up, right - up, 4.0 * right}) {
       scene.camera = lookAt(offset - 3.0 * forward, offset, up, 1e-9);
@@ -225,12 +222,12 @@ TEST(Reference, NoRayLeaksThroughAMesh) {
   scene.background = dvec3(1);
   const uint32_t black = addMaterial(scene, matte(dvec3(0)));
   const dvec3 centre(1234.5, -77.25, 1e4);
-  for (const auto& [a, b, c] : faces) scene.triangles.push_back({{centre + a, centre + b, centre + c}, black});
+  for (const auto& [a, b, c] : faces) scene.addTriangle({centre + a, centre + b, centre + c}, black);
 
   // Aim at vertices and at points of edges, from a point off the centre. One pixel is one ray, along the view axis.
   Numbers numbers(2);
   for (int ray = 0; ray < 6000; ++ray) {
-    const auto& face = scene.triangles[size_t(ray) * 7 % scene.triangles.size()].vertices;
+    const TriangleCorners face = scene.cornersOf(size_t(ray) * 7 % scene.triangles.size());
     const double along = ray % 3 == 0 ? 0 : ray % 3 == 1 ? 0.5 : numbers.between(0, 1);
     const dvec3 target = face[size_t(ray) % 3] + along * (face[size_t(ray + 1) % 3] - face[size_t(ray) % 3]);
     scene.camera = lookAt(centre + numbers.point(0.3), target, {0.1, 1, 0.2}, 45);
@@ -253,8 +250,8 @@ TEST(Reference, AFlatMeshCastsNoShadowOnItself) {
     const auto vertex = [&](int i, int j) { return double(i) * across + double(j) * along; };
     for (int i = -16; i < 16; ++i)
       for (int j = -16; j < 16; ++j) {
-        scene.triangles.push_back({{vertex(i, j), vertex(i, j + 1), vertex(i + 1, j + 1)}, white});
-        scene.triangles.push_back({{vertex(i, j), vertex(i + 1, j + 1), vertex(i + 1, j)}, white});
+        scene.addTriangle({vertex(i, j), vertex(i, j + 1), vertex(i + 1, j + 1)}, white);
+        scene.addTriangle({vertex(i, j), vertex(i + 1, j + 1), vertex(i + 1, j)}, white);
       }
     // Pixels are half a cell apart, so that three quarters of them see edges or vertices.
     scene.camera =
@@ -486,7 +483,7 @@ TEST(Reference, CountsOneRayOnTotalReflection) {
 TEST(Reference, TransmissionToTheWrongSideIsReflectedInFull) {
   const double degree = closed_form::kDegree;
   Scene scene = closed_form::tiltedNormals(0, glass(0.25, 0.75, 1.5));
-  scene.normals[0].fill({std::sin(38 * degree), 0, -std::cos(38 * degree)});
+  scene.normals.assign(3, {std::sin(38 * degree), 0, -std::cos(38 * degree)});
   scene.camera = lookAt({-2 * std::sin(70 * degree), 0, 2 * std::cos(70 * degree)}, {0, 0, 0}, {0, 1, 0}, 45);
   EXPECT_EQ(count(scene, pixels(1, 1)), (RayCounts{.eye = 1, .reflected = 1}));
 }
@@ -573,9 +570,9 @@ TEST(Reference, TrianglesWithoutAreaAreInvisible) {
   Scene scene = mixedScene(14, 10, 30);
   const Image clean = renderReference(scene, pixels(32, 32)).image;
   const dvec3 a(0.5, 0.25, 3), b(1, 0.25, 3);
-  scene.triangles.push_back({{a, a, a}, 0});
-  scene.triangles.push_back({{a, a, b}, 0});
-  scene.triangles.push_back({{a, 0.5 * (a + b), b}, 0});
+  scene.addTriangle({a, a, a}, 0);
+  scene.addTriangle({a, a, b}, 0);
+  scene.addTriangle({a, 0.5 * (a + b), b}, 0);
   EXPECT_EQ(renderReference(scene, pixels(32, 32)).image.rgb, clean.rgb);
 }
 

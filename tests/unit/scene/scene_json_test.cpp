@@ -149,10 +149,10 @@ TEST(SceneJson, everyFieldArrivesInItsPlace) {
   EXPECT_EQ(scene.spheres[0].radius, 4);
   ASSERT_EQ(scene.triangles.size(), 2u);
   EXPECT_EQ(scene.triangles[0].material, 1u);
-  EXPECT_EQ(scene.triangles[0].vertices[2], glm::dvec3(7, 8, 10));
-  EXPECT_EQ(scene.triangles[0].normals, kNoNormals);
-  ASSERT_EQ(scene.triangles[1].normals, 0u);
-  EXPECT_EQ(scene.normals.at(0)[1], glm::dvec3(0, 2, 0));
+  EXPECT_EQ(scene.cornersOf(0)[2], glm::dvec3(7, 8, 10));
+  EXPECT_FALSE(scene.triangles[0].isSmooth());
+  ASSERT_TRUE(scene.triangles[1].isSmooth());
+  EXPECT_EQ(scene.normalsOf(1)[1], glm::dvec3(0, 2, 0));
 }
 
 TEST(SceneJson, numbersAreTheNearestDoubles) {
@@ -357,20 +357,20 @@ TEST_F(MeshInScene, isScaledThenRotatedThenMoved) {
   const Scene scene = load(R"(,"scale":2,"rotate":[90,90,90],"translate":[10,20,30])");
   ASSERT_EQ(scene.triangles.size(), 1u);
   // x -> y: about x it stays, about y it goes to -z, about z it stays there. Exact, since sines of right angles are.
-  EXPECT_EQ(scene.triangles[0].vertices[0], glm::dvec3(10, 20, 28));
+  EXPECT_EQ(scene.cornersOf(0)[0], glm::dvec3(10, 20, 28));
   // y -> z about x, -> x about y, -> y about z.
-  EXPECT_EQ(scene.triangles[0].vertices[1], glm::dvec3(10, 24, 30));
+  EXPECT_EQ(scene.cornersOf(0)[1], glm::dvec3(10, 24, 30));
   // z -> -y about x, stays about y, -> x about z.
-  EXPECT_EQ(scene.triangles[0].vertices[2], glm::dvec3(16, 20, 30));
+  EXPECT_EQ(scene.cornersOf(0)[2], glm::dvec3(16, 20, 30));
 }
 
 TEST_F(MeshInScene, turnsByRightAnglesAreExact) {
   for (const int turns : {-7, -4, -1, 0, 1, 2, 3, 4, 1000001}) {
-    const glm::dvec3 x = load(",\"rotate\":[0,0," + std::to_string(90LL * turns) + "]").triangles[0].vertices[0];
+    const glm::dvec3 x = load(",\"rotate\":[0,0," + std::to_string(90LL * turns) + "]").cornersOf(0)[0];
     const glm::dvec3 expected[4] = {{1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}};
     EXPECT_EQ(x, expected[((turns % 4) + 4) % 4]) << turns;
   }
-  const glm::dvec3 x = load(",\"rotate\":[0,0,60]").triangles[0].vertices[0];
+  const glm::dvec3 x = load(",\"rotate\":[0,0,60]").cornersOf(0)[0];
   EXPECT_NEAR(x.x, 0.5, 1e-15);
   EXPECT_NEAR(x.y, std::sqrt(0.75), 1e-15);
 }
@@ -380,9 +380,27 @@ TEST_F(MeshInScene, normalsAreDirectionsThatAreRotatedOnly) {
   const Scene scene =
       loadScene(write("smooth.json", R"({"materials":{"m":{}},"meshes":[{"file":"smooth.obj","material":"m","scale":3,)"
                                      R"("rotate":[0,90,0],"translate":[5,5,5]}]})"));
-  ASSERT_EQ(scene.triangles.at(0).normals, 0u);
-  EXPECT_EQ(scene.normals.at(0)[0], glm::dvec3(1, 0, 0));
-  EXPECT_EQ(scene.normals[0][2], glm::dvec3(0, 0, -1));
+  ASSERT_TRUE(scene.triangles.at(0).isSmooth());
+  EXPECT_EQ(scene.normalsOf(0)[0], glm::dvec3(1, 0, 0));
+  EXPECT_EQ(scene.normalsOf(0)[2], glm::dvec3(0, 0, -1));
+}
+
+// A smooth square of four vertices, placed twice: each placement has four positions and two normals, which its two
+// triangles share.
+TEST_F(MeshInScene, sharesItsVerticesAmongItsTriangles) {
+  write("square.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nvn 0 1 0\nf 1//1 2//1 3//2\nf 1//1 3//2 4//2\n");
+  const Scene scene = loadScene(
+      write("squares.json", R"({"materials":{"m":{}},"meshes":[{"file":"square.obj","material":"m","scale":2},)"
+                            R"({"file":"./square.obj","material":"m","rotate":[90,0,0],"translate":[0,0,5]}]})"));
+  ASSERT_EQ(scene.triangles.size(), 4u);
+  EXPECT_EQ(scene.positions.size(), 8u);
+  EXPECT_EQ(scene.normals.size(), 4u);
+  EXPECT_EQ(scene.triangles[1].positions, (std::array<uint32_t, 3>{0, 2, 3}));
+  EXPECT_EQ(scene.triangles[3].positions, (std::array<uint32_t, 3>{4, 6, 7}));
+  EXPECT_EQ(scene.triangles[3].normals, (std::array<uint32_t, 3>{2, 3, 3}));
+  EXPECT_EQ(scene.cornersOf(1), (TriangleCorners{glm::dvec3(0), glm::dvec3(2, 2, 0), glm::dvec3(0, 2, 0)}));
+  EXPECT_EQ(scene.cornersOf(3), (TriangleCorners{glm::dvec3(0, 0, 5), glm::dvec3(1, 0, 6), glm::dvec3(0, 0, 6)}));
+  EXPECT_EQ(scene.normalsOf(3), (TriangleCorners{glm::dvec3(0, -1, 0), glm::dvec3(0, 0, 1), glm::dvec3(0, 0, 1)}));
 }
 
 TEST_F(MeshInScene, comesBehindTheTrianglesAndIsReadOnce) {
@@ -392,9 +410,9 @@ TEST_F(MeshInScene, comesBehindTheTrianglesAndIsReadOnce) {
                     R"("triangles":[{"vertices":[[0,0,0],[9,0,0],[0,9,0]],"material":"m"}],"materials":{"m":{}}})");
   const Scene scene = loadScene(path);
   ASSERT_EQ(scene.triangles.size(), 3u);
-  EXPECT_EQ(scene.triangles[0].vertices[1].x, 9);
-  EXPECT_EQ(scene.triangles[1].vertices[0].x, 1);
-  EXPECT_EQ(scene.triangles[2].vertices[0].x, 2);
+  EXPECT_EQ(scene.cornersOf(0)[1].x, 9);
+  EXPECT_EQ(scene.cornersOf(1)[0].x, 1);
+  EXPECT_EQ(scene.cornersOf(2)[0].x, 2);
   ASSERT_EQ(scene.sources.size(), 2u);
   EXPECT_EQ(scene.sources[0].path, "twice.json");
   EXPECT_EQ(scene.sources[0].sha256, sha256Hex(readTextFile(path)));
@@ -457,8 +475,8 @@ TEST_F(SceneNotes, countTrianglesWithoutArea) {
                              triangle(tiny) + R"(],"lights":[{"position":[0,9,0]}],)" +
                              R"("camera":{"eye":[0,0,9],"target":[0,0,0]}})"));
   ASSERT_EQ(scene.triangles.size(), 2u);
-  EXPECT_EQ(scene.triangles[0].vertices[0].x, 7);
-  EXPECT_EQ(scene.triangles[1].vertices[1].x, 1e-200);
+  EXPECT_EQ(scene.cornersOf(0)[0].x, 7);
+  EXPECT_EQ(scene.cornersOf(1)[1].x, 1e-200);
   EXPECT_EQ(scene.notes, std::vector<std::string>{"4 triangles without area were dropped"});
 }
 

@@ -75,11 +75,11 @@ TEST(Nff, EveryEntityIsRead) {
   EXPECT_EQ(scene.spheres[1].radius, -2);
   EXPECT_EQ(scene.spheres[1].material, 1u);
   ASSERT_EQ(scene.triangles.size(), 2u);
-  EXPECT_EQ(scene.triangles[0].normals, kNoNormals);
-  EXPECT_EQ(scene.triangles[0].vertices[1], glm::dvec3(1, 0, 0));
-  ASSERT_EQ(scene.triangles[1].normals, 0u);
-  EXPECT_EQ(scene.normals[0][1], glm::dvec3(0, 0, 2));
-  EXPECT_EQ(scene.normals[0][2], glm::dvec3(0, 1, 1));
+  EXPECT_FALSE(scene.triangles[0].isSmooth());
+  EXPECT_EQ(scene.cornersOf(0)[1], glm::dvec3(1, 0, 0));
+  ASSERT_TRUE(scene.triangles[1].isSmooth());
+  EXPECT_EQ(scene.normalsOf(1)[1], glm::dvec3(0, 0, 2));
+  EXPECT_EQ(scene.normalsOf(1)[2], glm::dvec3(0, 1, 1));
   EXPECT_TRUE(scene.notes.empty());
 }
 
@@ -143,12 +143,22 @@ TEST(Nff, ConcavePolygonOf144CornersBecomes142Triangles) {
   ASSERT_EQ(scene.triangles.size(), 142u);
   double sum = 0;
   for (const Triangle& triangle : scene.triangles) {
-    const auto& [a, b, c] = triangle.vertices;
+    const auto [a, b, c] = scene.cornersOf(triangle);
     const double twiceArea = glm::cross(b - a, c - a).z;
     EXPECT_GT(twiceArea, 0);
     sum += twiceArea;
   }
   EXPECT_NEAR(sum, outline, 1e-13);
+}
+
+TEST(Nff, TrianglesOfAPolygonShareItsCorners) {
+  const Scene scene =
+      parse(kMaterial + "p 3\n0 0 0\n1 0 0\n0 1 0\npp 4\n0 0 0 0 0 1\n1 0 0 0 0 1\n1 1 0 0 0 2\n" + "0 1 0 0 0 1\n");
+  ASSERT_EQ(scene.triangles.size(), 3u);
+  EXPECT_EQ(scene.positions.size(), 7u);
+  EXPECT_EQ(scene.normals.size(), 4u);
+  for (size_t i = 1; i < 3; ++i)
+    for (size_t k = 0; k < 3; ++k) EXPECT_EQ(scene.triangles[i].positions[k], scene.triangles[i].normals[k] + 3);
 }
 
 TEST(Nff, PolygonsWithoutAreaAreDroppedAndCounted) {
@@ -354,7 +364,9 @@ TEST(Nff, SpdScenesHaveTheirPublishedCounts) {
     EXPECT_EQ(parsed.scene.spheres.size(), expected.spheres);
     EXPECT_EQ(parsed.scene.cones.size(), expected.cones);
     EXPECT_EQ(parsed.scene.triangles.size(), expected.triangles);
-    EXPECT_EQ(parsed.scene.normals.size(), expected.smooth);
+    EXPECT_EQ(std::count_if(parsed.scene.triangles.begin(), parsed.scene.triangles.end(),
+                            [](const Triangle& triangle) { return triangle.isSmooth(); }),
+              std::ptrdiff_t(expected.smooth));
     EXPECT_TRUE(parsed.scene.notes.empty());
   }
 }
