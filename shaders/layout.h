@@ -42,13 +42,12 @@ TURNER_CONST kRefTriangle = 0x40000000u;
 TURNER_CONST kRefCountShift = 28u;
 TURNER_CONST kRefCountMask = 3u;
 TURNER_CONST kRefSecond = 0x08000000u;
-TURNER_CONST kRefCone = 0x08000000u;
 TURNER_CONST kRefOffsetMask = 0x07ffffffu;
 TURNER_CONST kRefNone = 0xffffffffu;  // nothing is left to visit
 TURNER_CONST kRefNext = 0xfffffffeu;  // sentinel: pop the stack; if it is empty, take the next entry of the cell list
 TURNER_CONST kMaxLeafSize = 4u;
 TURNER_CONST kUnitWords = 2u;
-TURNER_CONST kSphereUnits = 1u, kConeUnits = 2u, kPairUnits = 3u;
+TURNER_CONST kSphereUnits = 1u, kPairUnits = 3u;
 TURNER_CONST kMaxUnits = 0x07fffff0u;  // so that no leaf reads as kRefNone or kRefNext
 // One sphere or triangle uses bits 30 and 27..0 likewise. Of a ray's origin primitive bit 29 says that the ray starts
 // toward the inside of a sphere or cone.

@@ -1,5 +1,8 @@
 // The types of primitives: which one a reference is to, what it takes, and what is called for each. A scene's types alone
 // are compiled.
+#include "sphere.glsl"
+#include "cone.glsl"
+#include "triangle.glsl"
 
 // The type of what a reference is to, in the order in which lists have them.
 const uint kSpheres = 0u, kCones = 1u, kPairs = 2u;

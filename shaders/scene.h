@@ -81,6 +81,8 @@ struct Cone {
   vec3 axisRest;  // what the axis loses to float
   float squaredCosine;
 };
+TURNER_CONST kConeUnits = 2u;
+TURNER_CONST kRefCone = 0x08000000u;      // in references, where spheres have 0
 TURNER_CONST kFarCone = 0x40000000u;     // many radii away from the eye: it takes the extra digits
 TURNER_CONST kConeInward = 0x80000000u;  // the surface faces the axis
 #ifndef __cplusplus

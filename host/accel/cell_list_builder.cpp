@@ -88,7 +88,7 @@ class CellListBuilder {
       candidate.edges = uint32_t(edges_.size());
       edges_.emplace_back();
       tree_.prepared.visitElement(tree_.bvh.order[index],
-                                  [&](const auto& element) { narrow(element, box, candidate, edges_.back()); });
+                                  [&](const auto& element) { narrowTo(element, box, candidate, edges_.back()); });
       if (!overlaps(candidate, rect)) {
         edges_.pop_back();
         return;
@@ -107,14 +107,12 @@ class CellListBuilder {
       add(tree_.prepared.boxes[tree_.bvh.order[i]], i, true, rect);
   }
 
-  // From a primitive's box to its own picture. Of a sphere the rectangle is all there is.
-  void narrow(const Sphere&, const Box&, Projection&, OuterEdges&) const {}
-
-  void narrow(const Cone& cone, const Box& box, Projection& projection, OuterEdges& edges) const {
-    projectCone(cone, face_, box, projection, edges);
+  // From an element's box to its own picture.
+  template <class Primitive>
+  void narrowTo(const Primitive& primitive, const Box& box, Projection& projection, OuterEdges& edges) const {
+    narrow(primitive, face_, box, projection, edges);
   }
-
-  void narrow(const TrianglePair& pair, const Box& box, Projection&, OuterEdges& edges) const {
+  void narrowTo(const TrianglePair& pair, const Box& box, Projection&, OuterEdges& edges) const {
     const Scene& scene = tree_.prepared.scene;
     const auto [a, b, c] = scene.cornersOf(pair.first);
     face_.projectEdges({a, b, c, pair.isAlone() ? b : scene.cornersOf(pair.second)[0]}, box, edges);

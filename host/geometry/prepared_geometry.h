@@ -25,16 +25,32 @@ struct PreparedGeometry {
   std::vector<Box> boxes;
 
   // The first element of each type but the first.
-  std::vector<size_t> typeStarts() const { return {scene.spheres.size(), firstPair()}; }
-  size_t firstPair() const { return scene.spheres.size() + scene.cones.size(); }
+  std::vector<size_t> typeStarts() const {
+    std::vector<size_t> starts;
+    size_t count = 0;
+    Scene::visitPrimitives(scene, [&](const char*, const auto& list) { starts.push_back(count += list.size()); });
+    starts.pop_back();
+    return starts;
+  }
+  size_t firstPair() const { return scene.primitiveCount() - scene.triangles.size(); }
   size_t elementCount() const { return firstPair() + pairs.size(); }
 
-  // visit(const Sphere&), visit(const Cone&) or visit(const TrianglePair&).
+  // Visits a primitive that is no triangle, or a pair.
   template <class Visit>
   decltype(auto) visitElement(size_t element, Visit&& visit) const {
-    if (element < scene.spheres.size()) return visit(scene.spheres[element]);
-    if (element < firstPair()) return visit(scene.cones[element - scene.spheres.size()]);
-    return visit(pairs[element - firstPair()]);
+    return visitOf<0>(element, visit);
+  }
+
+ private:
+  template <size_t kType, class Visit>
+  decltype(auto) visitOf(size_t element, Visit& visit) const {
+    if constexpr (kType + 1 == Scene::kTypeNames.size()) {
+      return visit(pairs[element]);
+    } else {
+      const auto& list = std::get<kType>(Scene::primitiveLists(scene));
+      if (element >= list.size()) return visitOf<kType + 1>(element - list.size(), visit);
+      return visit(list[element]);
+    }
   }
 };
 

@@ -72,11 +72,9 @@ struct Footprint {
   uint units;
   uint vertexNormals = 0;
 };
-Footprint footprintOf(const Scene&, const Sphere&) {
-  return {0, gpu::kSphereUnits};
-}
-Footprint footprintOf(const Scene&, const Cone&) {
-  return {gpu::kRefCone, gpu::kConeUnits};
+template <class Primitive>
+Footprint footprintOf(const Scene&, const Primitive& primitive) {
+  return {referenceType(primitive), uint(sizeof(packed(primitive, 0)) / (gpu::kUnitWords * sizeof(Word4)))};
 }
 Footprint footprintOf(const Scene& scene, const TrianglePair& pair) {
   const bool isSmooth = scene.triangles[pair.first].isSmooth();
@@ -166,15 +164,18 @@ class ElementPacker {
   uint rankOf(uint id) const { return ranks_.empty() ? id : ranks_[id]; }
 
   // The i-th of the leaves' order.
+  template <class Primitive>
+  void pack(size_t i, const Primitive& primitive) {
+    put(i, packed(primitive, rankOf(bvh_.order[i])));
+  }
+
   void pack(size_t i, const Sphere& sphere) {
     const uint id = bvh_.order[i];
     const auto near = std::lower_bound(nearSpheres_.begin(), nearSpheres_.end(), id);
-    if (near == nearSpheres_.end() || *near != id) return put(i, packSphere(sphere, rankOf(id)));
+    if (near == nearSpheres_.end() || *near != id) return put(i, packed(sphere, rankOf(id)));
     const uint materials = gpu::kMaterialWords * uint(prepared_.scene.materials.size());
     put(i, packNearSphere(sphere, rankOf(id), materials + uint(near - nearSpheres_.begin())));
   }
-
-  void pack(size_t i, const Cone& cone) { put(i, packCone(cone, rankOf(bvh_.order[i]))); }
 
   void pack(size_t i, const TrianglePair& pair) {
     const Scene& scene = prepared_.scene;

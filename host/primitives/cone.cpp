@@ -87,7 +87,11 @@ double slopeOf(const Cone& local) {
   return double(axis.growth / axis.slant());
 }
 
-gpu::Cone packCone(const Cone& local, uint32_t rank) {
+uint32_t referenceType(const Cone&) {
+  return gpu::kRefCone;
+}
+
+gpu::Cone packed(const Cone& local, uint32_t rank) {
   const Axis axis = axisOf(local);
   const long double cosine = axis.length / axis.slant(), widest = axis.radius + axis.growth;
   const double reach = double(std::sqrt(axis.length * axis.length + widest * widest)) * (1 + 0x1p-20);
@@ -183,7 +187,7 @@ std::array<glm::dvec2, 4> edgeDirections(const SeenCone& seen) {
 
 }  // namespace
 
-void projectCone(const Cone& local, const CubeFace& face, const Box& box, Projection& projection, OuterEdges& edges) {
+void narrow(const Cone& local, const CubeFace& face, const Box& box, Projection& projection, OuterEdges& edges) {
   // Points may be off by as much as the box is padded, the largest pad on any axis.
   const Bounds bounds = boundsOf(local);
   const glm::dvec3 pad = glm::max(bounds.lo - glm::dvec3(box.lo), glm::dvec3(box.hi) - bounds.hi);

@@ -49,10 +49,11 @@ bool isFarFromEye(const Cone& local);
 // Sine of the angle between axis and surface: 0 for a cylinder, near 1 for what is almost a disc.
 double slopeOf(const Cone& local);
 
-gpu::Cone packCone(const Cone& local, uint32_t rank);
+uint32_t referenceType(const Cone&);  // type bits of a reference of the kernel
+gpu::Cone packed(const Cone& local, uint32_t rank);
 
-// Its picture on the face: narrows the projection of its padded box, and bounds it by edges. Both stay as they are
-// where part of the cone lies behind the point.
-void projectCone(const Cone& local, const CubeFace& face, const Box& box, Projection& projection, OuterEdges& edges);
+// From its padded box to its own picture on the face: narrows the projection, and bounds it by edges. Both stay as they
+// are where part of the cone lies behind the point.
+void narrow(const Cone& local, const CubeFace& face, const Box& box, Projection& projection, OuterEdges& edges);
 
 }  // namespace turner

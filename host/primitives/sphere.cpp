@@ -56,12 +56,16 @@ bool isFarFromEye(const Sphere& local) {
   return glm::length(local.center) > 1024 * std::abs(local.radius);
 }
 
-gpu::Sphere packSphere(const Sphere& local, uint32_t rank) {
+uint32_t referenceType(const Sphere&) {
+  return 0;
+}
+
+gpu::Sphere packed(const Sphere& local, uint32_t rank) {
   return {toVec3(local.center), float(local.radius), rank, local.material, 0, 0};
 }
 
 gpu::Sphere packNearSphere(const Sphere& local, uint32_t rank, uint32_t restAt) {
-  gpu::Sphere near = packSphere(local, rank);
+  gpu::Sphere near = packed(local, rank);
   near.material |= gpu::kNearEye;
   near.nearSphere = restAt;
   near.eyePower = float(eyePower(local));

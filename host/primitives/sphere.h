@@ -5,6 +5,7 @@
 #include <glm/vec3.hpp>
 
 #include "base/bounds.h"
+#include "primitives/cube_face.h"
 #include "primitives/local_frame.h"
 
 namespace turner {
@@ -40,10 +41,14 @@ bool isFarFromEye(const Sphere& local);
 // center and radius by more than the height's last bits.
 bool isNearEye(const Sphere& local);
 
-gpu::Sphere packSphere(const Sphere& local, uint32_t rank);
+uint32_t referenceType(const Sphere&);  // type bits of a reference of the kernel
+gpu::Sphere packed(const Sphere& local, uint32_t rank);
 
 // The same of one that the eye is near; its NearSphere is at this word among the materials.
 gpu::Sphere packNearSphere(const Sphere& local, uint32_t rank, uint32_t restAt);
 gpu::NearSphere nearSphereOf(const Sphere& local);
+
+// From its padded box to its own picture on a face of a cube of directions: the box's is all there is.
+inline void narrow(const Sphere&, const CubeFace&, const Box&, Projection&, OuterEdges&) {}
 
 }  // namespace turner

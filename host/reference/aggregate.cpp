@@ -6,23 +6,27 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <type_traits>
 
 namespace turner::reference {
+namespace {
+
+template <class Primitive>
+constexpr bool isTriangle = std::is_same_v<std::decay_t<Primitive>, Triangle>;
+template <class List>
+constexpr bool isTriangles = isTriangle<typename std::decay_t<List>::value_type>;
+
+}  // namespace
 
 Aggregate::Aggregate(const Scene& itsScene, ReferenceSearch search)
     : scene(itsScene), dielectrics(findNestedDielectrics(itsScene)), bruteForce(search == ReferenceSearch::bruteForce) {
   double largestCoordinate = largestSize(scene.camera.eye);
   std::vector<Box> boxes;
   boxes.reserve(primitiveCount());
-  for (const Sphere& sphere : scene.spheres) {
-    const double radius = std::abs(sphere.radius);
-    boxes.push_back({sphere.center - radius, sphere.center + radius});
-  }
-  for (const Cone& cone : scene.cones) {
-    const double baseRadius = std::abs(cone.baseRadius), apexRadius = std::abs(cone.apexRadius);
-    boxes.push_back({cone.base - baseRadius, cone.base + baseRadius});
-    boxes.back().include(Box{cone.apex - apexRadius, cone.apex + apexRadius});
-  }
+  Scene::visitPrimitives(scene, [&](const char*, const auto& primitives) {
+    if constexpr (!isTriangles<decltype(primitives)>)
+      for (const auto& primitive : primitives) boxes.push_back(boxOf(primitive));
+  });
   faceNormals.reserve(scene.triangles.size());
   for (const Triangle& triangle : scene.triangles) {
     const TriangleCorners corners = scene.cornersOf(triangle);
@@ -38,14 +42,14 @@ Aggregate::Aggregate(const Scene& itsScene, ReferenceSearch search)
 }
 
 const Material& Aggregate::materialOf(uint32_t primitive) const {
-  return scene.materials[isSphere(primitive) ? scene.spheres[primitive].material
-                         : isCone(primitive) ? scene.cones[coneIndex(primitive)].material
-                                             : scene.triangles[triangleIndex(primitive)].material];
+  return scene.visitPrimitive(primitive,
+                              [&](const auto& p, size_t) -> const Material& { return scene.materials[p.material]; });
 }
 
 uint32_t Aggregate::mediumOf(uint32_t primitive) const {
-  if (dielectrics.empty() || primitive == kNoPrimitive || isCone(primitive)) return kNoMedium;
-  return isSphere(primitive) ? dielectrics.ofSpheres[primitive] : dielectrics.ofTriangles[triangleIndex(primitive)];
+  if (dielectrics.empty() || primitive == kNoPrimitive) return kNoMedium;
+  if (isSphere(primitive)) return dielectrics.ofSpheres[primitive];
+  return primitive < firstTriangle() ? kNoMedium : dielectrics.ofTriangles[primitive - firstTriangle()];
 }
 
 // ---- What a ray hits ----
@@ -59,12 +63,13 @@ void Aggregate::forCandidates(const Ray& ray, double limit, Visit&& visit) const
 
 double Aggregate::intersect(const Ray& ray, uint32_t primitive) const {
   const bool startsOnIt = primitive == ray.originPrimitive;
-  if (isSphere(primitive)) return intersectSphere(ray, scene.spheres[primitive], startsOnIt);
-  if (isCone(primitive)) return intersectCone(ray, scene.cones[coneIndex(primitive)], startsOnIt);
-  // A triangle is flat: a ray that starts on it never comes back to it.
-  if (startsOnIt) return kFarAway;
-  const size_t index = triangleIndex(primitive);
-  return intersectTriangle(ray, scene.cornersOf(index), faceNormals[index]);
+  return scene.visitPrimitive(primitive, [&](const auto& p, size_t index) {
+    if constexpr (isTriangle<decltype(p)>)
+      // A triangle is flat: a ray that starts on it never comes back to it.
+      return startsOnIt ? kFarAway : intersectTriangle(ray, scene.cornersOf(p), faceNormals[index]);
+    else
+      return reference::intersect(ray, p, startsOnIt);
+  });
 }
 
 // Among coincident primitives the lowest rank is hit: opaque ones, then glass that is no medium, then the media by
@@ -80,7 +85,7 @@ std::pair<int64_t, uint32_t> Aggregate::rank(uint32_t primitive) const {
 double Aggregate::coincidenceDistance(const Ray& ray, double t, uint32_t primitive) const {
   const dvec3 x = ray.origin + t * ray.direction;
   const dvec3 normal = isSphere(primitive) ? (x - scene.spheres[primitive].center) / scene.spheres[primitive].radius
-                                           : faceNormals[triangleIndex(primitive)];
+                                           : faceNormals[primitive - firstTriangle()];
   const double cosine = std::abs(glm::dot(normal, ray.direction));
   return 48 * 0x1p-24 * glm::length(x - scene.camera.eye) / std::max(cosine, 0x1p-10);
 }
@@ -121,9 +126,14 @@ bool Aggregate::isOccluded(const Ray& ray, double end) const {
 // ---- The surface there ----
 
 Surface Aggregate::surfaceAt(const Ray& ray, const Hit& hit) const {
-  Surface surface = isSphere(hit.primitive) ? sphereSurface(ray, hit)
-                    : isCone(hit.primitive) ? coneSurface(ray, hit)
-                                            : triangleSurface(ray, hit);
+  Surface surface = scene.visitPrimitive(hit.primitive, [&](const auto& p, size_t index) {
+    if constexpr (isTriangle<decltype(p)>)
+      return triangleSurface(ray, hit.t, index);
+    else
+      return surfaceOf(ray, hit.t, p);
+  });
+  surface.material = &materialOf(hit.primitive);
+  surface.primitive = hit.primitive;
   // A back hit flips both normals; Ns must look at V too.
   const dvec3 V = -ray.direction;
   surface.front = glm::dot(surface.Ng, V) > 0;
@@ -135,65 +145,14 @@ Surface Aggregate::surfaceAt(const Ray& ray, const Hit& hit) const {
   return surface;
 }
 
-Surface Aggregate::sphereSurface(const Ray& ray, const Hit& hit) const {
-  const Sphere& sphere = scene.spheres[hit.primitive];
-  // Put the point back on the sphere: one Newton step, in the wider type as the centre may be far away.
-  wide3 x = wide3(ray.origin) + (long double)(hit.t) * wide3(ray.direction);
-  wide3 f = x - wide3(sphere.center);
-  const long double squaredRadius = wideRadius(sphere) * wideRadius(sphere);
-  x -= f * ((glm::dot(f, f) - squaredRadius) / (2 * squaredRadius));
-
-  Surface surface;
-  surface.point = dvec3(x);
-  surface.Ng = surface.Ns =
-      dvec3(glm::normalize(x - wide3(sphere.center)) * std::copysign(1.0L, (long double)sphere.radius));
-  surface.material = &scene.materials[sphere.material];
-  surface.primitive = hit.primitive;
-  // The point errs by rounding it to double; the rest, here and in another sphere's test nearby, is done in the wider
-  // type.
-  surface.errorBound = 8 * (kRounding * largestSize(surface.point) +
-                            kWideRounding * (largestSize(sphere.center) + std::abs(sphere.radius)));
-  return surface;
-}
-
-Surface Aggregate::coneSurface(const Ray& ray, const Hit& hit) const {
-  const Cone& cone = scene.cones[coneIndex(hit.primitive)];
-  const wide3 base(cone.base), way = wide3(cone.apex) - base;
-  const long double length = glm::length(way), baseRadius = std::abs(cone.baseRadius);
-  const long double growth = (std::abs((long double)(cone.apexRadius)) - baseRadius) / length;
-  const wide3 axis = way / length, x = wide3(ray.origin) + (long double)(hit.t) * wide3(ray.direction);
-  const long double height = glm::dot(x - base, axis);
-  const wide3 across = (x - base) - height * axis;
-  const long double distance = glm::length(across);
-  // At the tip itself the normal is any; this one faces the ray.
-  const wide3 sideways = distance > 0 ? across / distance : -wide3(ray.direction);
-  const wide3 outward = glm::normalize(sideways - growth * axis);
-  // Put the point back on the cone, along the normal.
-  const long double above = (distance - (baseRadius + growth * height)) / std::sqrt(1 + growth * growth);
-
-  Surface surface;
-  surface.point = dvec3(x - above * outward);
-  surface.Ng = surface.Ns = dvec3(cone.isInward() ? -outward : outward);
-  surface.material = &scene.materials[cone.material];
-  surface.primitive = hit.primitive;
-  // The point and both ends, as a ray's test of a neighbour sees them.
-  const double size = std::max({largestSize(surface.point), largestSize(cone.base), largestSize(cone.apex),
-                                std::abs(cone.baseRadius), std::abs(cone.apexRadius)});
-  surface.errorBound = 16 * kRounding * size;
-  return surface;
-}
-
-Surface Aggregate::triangleSurface(const Ray& ray, const Hit& hit) const {
-  const size_t index = triangleIndex(hit.primitive);
+Surface Aggregate::triangleSurface(const Ray& ray, double t, size_t index) const {
   const Triangle& triangle = scene.triangles[index];
   const TriangleCorners corners = scene.cornersOf(triangle);
   Surface surface;
   surface.Ng = surface.Ns = faceNormals[index];
   // Put the point back on the plane.
-  surface.point = ray.origin + hit.t * ray.direction;
+  surface.point = ray.origin + t * ray.direction;
   surface.point -= glm::dot(surface.point - corners[0], surface.Ng) * surface.Ng;
-  surface.material = &scene.materials[triangle.material];
-  surface.primitive = hit.primitive;
   // The point, its difference to a vertex, the normal and the product with it: each errs by a few roundings of the
   // coordinates.
   double size = largestSize(surface.point);
@@ -216,7 +175,7 @@ Surface Aggregate::triangleSurface(const Ray& ray, const Hit& hit) const {
 // By the triangle as a whole, whose vertex normals may look to both sides.
 bool Aggregate::entersMedium(const Ray& ray, double t, uint32_t primitive) const {
   if (isSphere(primitive)) return surfaceAt(ray, {t, primitive, {}}).front;
-  const size_t index = triangleIndex(primitive);
+  const size_t index = primitive - firstTriangle();
   const Triangle& triangle = scene.triangles[index];
   dvec3 front = faceNormals[index];
   if (triangle.isSmooth()) {

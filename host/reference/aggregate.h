@@ -22,16 +22,6 @@ struct Hit {
   std::vector<uint32_t> interfaces;  // of nested dielectrics: the primitives that coincide with this hit
 };
 
-// The surface at a hit, seen from where the ray came from.
-struct Surface {
-  dvec3 point;
-  dvec3 Ng, Ns;  // unit; Ng, and for what is smooth Ns too, on the side that the ray came from
-  bool front;    // hit on the side that the primitive's own normal points to
-  const Material* material;
-  uint32_t primitive;
-  double errorBound;  // the point is on the surface but for this distance
-};
-
 class Aggregate {
  public:
   // `itsScene` outlives it.
@@ -58,12 +48,9 @@ class Aggregate {
   const NestedDielectrics dielectrics;
 
  private:
-  // Primitives are numbered: spheres, then cones, then triangles.
   bool isSphere(uint32_t primitive) const { return primitive < scene.spheres.size(); }
-  bool isCone(uint32_t primitive) const { return !isSphere(primitive) && coneIndex(primitive) < scene.cones.size(); }
-  size_t coneIndex(uint32_t primitive) const { return primitive - scene.spheres.size(); }
-  size_t triangleIndex(uint32_t primitive) const { return coneIndex(primitive) - scene.cones.size(); }
   size_t primitiveCount() const { return scene.primitiveCount(); }
+  size_t firstTriangle() const { return scene.primitiveCount() - scene.triangles.size(); }
   const Material& materialOf(uint32_t primitive) const;
 
   double intersect(const Ray& ray, uint32_t primitive) const;
@@ -72,9 +59,7 @@ class Aggregate {
   template <class Visit>
   void forCandidates(const Ray& ray, double limit, Visit&& visit) const;
 
-  Surface sphereSurface(const Ray& ray, const Hit& hit) const;
-  Surface coneSurface(const Ray& ray, const Hit& hit) const;
-  Surface triangleSurface(const Ray& ray, const Hit& hit) const;
+  Surface triangleSurface(const Ray& ray, double t, size_t index) const;
 
   bool bruteForce;
   std::vector<dvec3> faceNormals;

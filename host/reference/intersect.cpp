@@ -31,7 +31,12 @@ Ray makeRay(const dvec3& origin, const dvec3& d, uint32_t originPrimitive) {
       origin, d, originPrimitive, {1 + sign * d.x * d.x * a, sign * b, -sign * d.x}, {b, sign + d.y * d.y * a, -d.y}};
 }
 
-double intersectSphere(const Ray& ray, const Sphere& sphere, bool startsOnIt) {
+Box boxOf(const Sphere& sphere) {
+  const double radius = std::abs(sphere.radius);
+  return {sphere.center - radius, sphere.center + radius};
+}
+
+double intersect(const Ray& ray, const Sphere& sphere, bool startsOnIt) {
   const dvec3 f = ray.origin - sphere.center;
   const double b = glm::dot(f, ray.direction);
   // A ray that starts on the sphere has c = 0: the roots are 0, which is the start, and -2 b.
@@ -55,86 +60,22 @@ double intersectSphere(const Ray& ray, const Sphere& sphere, bool startsOnIt) {
   return nearestRoot(wideB, wideC, wideB * wideB - wideC);
 }
 
-namespace {
+Surface surfaceOf(const Ray& ray, double t, const Sphere& sphere) {
+  // Put the point back on the sphere: one Newton step, in the wider type as the centre may be far away.
+  wide3 x = wide3(ray.origin) + (long double)(t)*wide3(ray.direction);
+  wide3 f = x - wide3(sphere.center);
+  const long double squaredRadius = wideRadius(sphere) * wideRadius(sphere);
+  x -= f * ((glm::dot(f, f) - squaredRadius) / (2 * squaredRadius));
 
-// A ray and a cone, from the ray's foot on: the place that is nearest to the cone's base. Along the ray the signed
-// distance across the axis, |y(t)| - radius(s(t)), is convex, as a norm of a linear function less a linear function: so
-// Newton's steps from the left go to the root where it falls, and from the right to the one where it rises, and never
-// pass it. No quadratic, no second half of a double cone (there it is positive), no case of a parallel generator.
-struct ConeOnRay {
-  double foot;                    // of the ray
-  double height, climb;           // along the axis: of the foot, and by how much a unit of the ray goes up
-  dvec3 across, drift;            // the same across the axis
-  double length, radius, growth;  // of the cone; radius at the base, growth by a unit of height
-  double reach;                   // from the base to the farthest point, and more
-
-  double distance(double t, double& derivative) const {
-    const dvec3 y = across + t * drift;
-    const double size = glm::length(y);
-    derivative = (size > 0 ? glm::dot(y, drift) / size : -glm::length(drift)) - growth * climb;
-    return size - (radius + growth * (height + t * climb));
-  }
-
-  bool isBetweenEnds(double t) const {
-    const double s = height + t * climb, slack = 1e-15 * reach;
-    if (std::abs(growth) <= 1) return s >= -slack && s <= length + slack;
-    // Nearly a disc: by the radius, which is known better than the height.
-    const double size = glm::length(across + t * drift), other = radius + growth * length;
-    return size >= std::min(radius, other) - slack && size <= std::max(radius, other) + slack &&
-           radius + growth * s >= -slack * (1 + std::abs(growth));
-  }
-
-  // From t on, to the right (way 1) or to the left (-1); kFarAway where there is no root.
-  double newton(double t, double way) const {
-    for (int step = 0; step < 200; ++step) {
-      double derivative;
-      const double value = distance(t, derivative);
-      // Past the least value, which is above 0 unless it is the tip's.
-      if (!(way * derivative < 0)) return value <= 8 * kRounding * reach ? t : kFarAway;
-      if (value <= 0) return t;
-      const double next = t - value / derivative;
-      if (next == t) return t;
-      if (way * (next - t) > 4 * reach) return kFarAway;
-      t = next;
-    }
-    return t;
-  }
-};
-
-ConeOnRay coneOnRay(const Ray& ray, const Cone& cone, bool startsOnIt) {
-  const dvec3 way = cone.apex - cone.base, f = ray.origin - cone.base;
-  ConeOnRay on;
-  on.length = glm::length(way);
-  on.radius = std::abs(cone.baseRadius);
-  on.growth = (std::abs(cone.apexRadius) - on.radius) / on.length;
-  on.reach = std::hypot(on.length, std::max(on.radius, std::abs(cone.apexRadius))) * (1 + 1e-12);
-  on.foot = startsOnIt ? 0 : -glm::dot(f, ray.direction);
-  const dvec3 axis = way / on.length, p = f + on.foot * ray.direction;
-  on.height = glm::dot(p, axis);
-  on.climb = glm::dot(ray.direction, axis);
-  on.across = p - on.height * axis;
-  on.drift = ray.direction - on.climb * axis;
-  return on;
-}
-
-}  // namespace
-
-double intersectCone(const Ray& ray, const Cone& cone, bool startsOnIt) {
-  const ConeOnRay on = coneOnRay(ray, cone, startsOnIt);
-  double derivative;
-  const auto hitAt = [&](double t) { return t < kFarAway && on.foot + t > 0 && on.isBetweenEnds(t); };
-  if (startsOnIt) {
-    // Outward it never comes back, as the inside is convex; inward it does where the distance rises again.
-    if (on.distance(0, derivative), !(derivative < 0)) return kFarAway;
-    if (on.distance(2 * on.reach, derivative) <= 0) return kFarAway;
-    const double t = on.newton(2 * on.reach, -1);
-    return hitAt(t) ? t : kFarAway;
-  }
-  if (on.distance(-on.reach, derivative) > 0)
-    if (const double t = on.newton(-on.reach, 1); hitAt(t)) return on.foot + t;
-  if (on.distance(on.reach, derivative) > 0)
-    if (const double t = on.newton(on.reach, -1); hitAt(t)) return on.foot + t;
-  return kFarAway;
+  Surface surface;
+  surface.point = dvec3(x);
+  surface.Ng = surface.Ns =
+      dvec3(glm::normalize(x - wide3(sphere.center)) * std::copysign(1.0L, (long double)sphere.radius));
+  // The point errs by rounding it to double; the rest, here and in another sphere's test nearby, is done in the wider
+  // type.
+  surface.errorBound = 8 * (kRounding * largestSize(surface.point) +
+                            kWideRounding * (largestSize(sphere.center) + std::abs(sphere.radius)));
+  return surface;
 }
 
 bool isInside(const dvec3& point, const Sphere& sphere) {

@@ -1,9 +1,10 @@
 // Rays, and where they hit one sphere, cone or triangle.
-// Comes in: a ray and a primitive of the scene. Goes out: the distance of the hit. Knows nothing of materials.
+// Comes in: a ray and a primitive of the scene. Goes out: the distance of the hit, and the surface there.
 #pragma once
 
 #include <cstdint>
 
+#include "reference/box_tree.h"
 #include "reference/precision.h"
 #include "scene/scene.h"
 
@@ -18,6 +19,16 @@ struct Ray {
   dvec3 across1, across2;    // with direction an orthonormal basis
 };
 
+// The surface at a hit, seen from where the ray came from.
+struct Surface {
+  dvec3 point;
+  dvec3 Ng, Ns;  // unit; Ng, and for what is smooth Ns too, on the side that the ray came from
+  bool front;    // hit on the side that the primitive's own normal points to
+  const Material* material;
+  uint32_t primitive;
+  double errorBound;  // the point is on the surface but for this distance
+};
+
 // `direction` is a unit vector.
 Ray makeRay(const dvec3& origin, const dvec3& direction, uint32_t originPrimitive);
 
@@ -26,11 +37,15 @@ inline long double wideRadius(const Sphere& sphere) {
   return (long double)(sphere.radius) + sphere.radiusRest;
 }
 
-// The distance at which the ray hits the sphere, or kFarAway.
-double intersectSphere(const Ray& ray, const Sphere& sphere, bool startsOnIt);
-
-// The distance at which the ray hits the cone, or kFarAway.
-double intersectCone(const Ray& ray, const Cone& cone, bool startsOnIt);
+// For each type of primitive but triangles: a box around it, the distance at which a ray hits it, or kFarAway, and the
+// surface there, its point put back onto the primitive, its normals on the primitive's own side; front, material and
+// primitive are the caller's.
+Box boxOf(const Sphere& sphere);
+Box boxOf(const Cone& cone);
+double intersect(const Ray& ray, const Sphere& sphere, bool startsOnIt);
+double intersect(const Ray& ray, const Cone& cone, bool startsOnIt);
+Surface surfaceOf(const Ray& ray, double t, const Sphere& sphere);
+Surface surfaceOf(const Ray& ray, double t, const Cone& cone);
 
 // Whether the point is within the sphere's radius.
 bool isInside(const dvec3& point, const Sphere& sphere);

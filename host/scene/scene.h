@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "primitives/cone.h"
@@ -112,12 +113,25 @@ struct Scene {
     triangles.push_back({append(positions, corners), append(normals, vertexNormals), material});
   }
 
-  // Visits the types of primitives in the order of their ids: visit(name, vector).
+  // The types of primitives in the order of their ids; triangles are the last.
+  static constexpr std::array kTypeNames = {"spheres", "cones", "triangles"};
+  template <class Self>
+  static auto primitiveLists(Self& scene) {
+    return std::tie(scene.spheres, scene.cones, scene.triangles);
+  }
+  // Visits all lists: visit(name, vector).
   template <class Self, class Visit>
   static void visitPrimitives(Self& scene, Visit&& visit) {
-    visit("spheres", scene.spheres);
-    visit("cones", scene.cones);
-    visit("triangles", scene.triangles);
+    const char* const* name = kTypeNames.data();
+    std::apply([&](auto&... list) { (visit(*name++, list), ...); }, primitiveLists(scene));
+  }
+  // Visits one primitive: visit(primitive, its index in its list). Returns what that returns.
+  template <size_t kType = 0, class Visit>
+  decltype(auto) visitPrimitive(size_t id, Visit&& visit) const {
+    const auto& list = std::get<kType>(primitiveLists(*this));
+    if constexpr (kType + 1 < kTypeNames.size())
+      if (id >= list.size()) return visitPrimitive<kType + 1>(id - list.size(), visit);
+    return visit(list[id], id);
   }
   PrimitiveCounts primitiveCounts() const {
     PrimitiveCounts counts;

@@ -15,9 +15,6 @@ layout(std430, binding = kBindLitFound) writeonly buffer FoundBuffer { Word4 fou
 #include "../../../shaders/float_float.glsl"
 #include "../../../shaders/nested_dielectrics.glsl"
 #include "../../../shaders/ray.glsl"
-#include "../../../shaders/sphere.glsl"
-#include "../../../shaders/cone.glsl"
-#include "../../../shaders/triangle.glsl"
 #include "../../../shaders/primitives.glsl"
 #include "../../../shaders/shade.glsl"
 
