@@ -57,7 +57,7 @@ double Aggregate::intersect(const Ray& ray, uint32_t primitive) const {
   // A triangle is flat: a ray that starts on it never comes back to it.
   if (startsOnIt) return kFarAway;
   const size_t index = triangleIndex(primitive);
-  return intersectTriangle(ray, scene.cornersOf(index), faceNormals[index]);
+  return intersectTriangle(ray, scene, scene.triangles[index], faceNormals[index]);
 }
 
 // Among coincident primitives the lowest rank is hit: opaque ones, then glass that is no medium, then the media by
@@ -166,7 +166,7 @@ Surface Aggregate::triangleSurface(const Ray& ray, const Hit& hit) const {
 
   if (triangle.isSmooth()) {
     const TriangleCorners normals = scene.normalsOf(triangle);
-    const dvec3 weight = edgeAreas(ray, corners);
+    const dvec3 weight = edgeAreas(ray, scene, triangle);
     dvec3 sum(0);
     for (int k = 0; k < 3; ++k) sum += weight[k] / (weight.x + weight.y + weight.z) * glm::normalize(normals[k]);
     if (glm::dot(sum, sum) > 0) surface.Ns = glm::normalize(sum);
