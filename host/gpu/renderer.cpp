@@ -20,8 +20,8 @@ BufferAccess ShaderRenderer::access() const {
   return scene_->access;
 }
 
-void ShaderRenderer::upload(const PackedScene& scene) {
-  scene_->upload(scene);
+void ShaderRenderer::upload(PackedScene scene) {
+  scene_->upload(std::move(scene));
 }
 
 ShaderPicture ShaderRenderer::render(const Spirv& kernel, const RenderSettings& settings, const Progress& progress,

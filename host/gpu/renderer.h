@@ -35,8 +35,8 @@ class ShaderRenderer {
   // How its kernels are to fetch, see accessPreamble.
   BufferAccess access() const;
 
-  // Puts the scene into the device's memory. Throws InputError when it does not fit.
-  void upload(const PackedScene& scene);
+  // Puts the scene into the device's memory, and frees it part by part. Throws InputError when it does not fit.
+  void upload(PackedScene scene);
 
   // Renders the uploaded scene. Work is cut into dispatches well below a driver's watchdog; progress is called between
   // them. Throws LoopsCut if a driver's loop limiter has cut the work short, PixelsMissing if the kernel has.

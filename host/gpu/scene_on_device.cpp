@@ -41,20 +41,22 @@ SceneOnDevice::SceneOnDevice(const DeviceInfo& info, BufferAccess wanted)
                    " storage buffers; turner needs " + std::to_string(needed));
 }
 
-void SceneOnDevice::upload(const PackedScene& scene) {
+void SceneOnDevice::upload(PackedScene scene) {
   features = scene.features;
   view = scene.view;
-  const auto uploadWords = [&](uint binding, std::span<const std::byte> bytes, const char* name) {
+  const auto uploadWords = [&](uint binding, auto& values, const char* name) {
     Buffer& buffer = rows[binding - gpu::kBindNodes];
     buffer = {};  // the last scene's is no longer needed
-    buffer = device.uploadWords(bytes, access, name);
+    buffer = device.uploadWords(bytesOf(values), access, name);
+    values.clear();  // memory for the next
+    values.shrink_to_fit();
   };
-  uploadWords(gpu::kBindNodes, bytesOf(scene.nodes), "nodes");
-  uploadWords(gpu::kBindPrimitives, bytesOf(scene.primitives), "primitives");
-  uploadWords(gpu::kBindVertexNormals, bytesOf(scene.vertexNormals), "vertex normals");
-  uploadWords(gpu::kBindMaterials, bytesOf(scene.materials), "materials");
-  uploadWords(gpu::kBindLights, bytesOf(scene.lights), "lights");
-  uploadWords(gpu::kBindLightBuffers, bytesOf(scene.lightBuffers), "light buffers");
+  uploadWords(gpu::kBindNodes, scene.nodes, "nodes");
+  uploadWords(gpu::kBindPrimitives, scene.primitives, "primitives");
+  uploadWords(gpu::kBindVertexNormals, scene.vertexNormals, "vertex normals");
+  uploadWords(gpu::kBindMaterials, scene.materials, "materials");
+  uploadWords(gpu::kBindLights, scene.lights, "lights");
+  uploadWords(gpu::kBindLightBuffers, scene.lightBuffers, "light buffers");
 }
 
 }  // namespace turner

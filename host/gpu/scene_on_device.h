@@ -18,7 +18,7 @@ struct SceneOnDevice {
   SceneOnDevice(const DeviceInfo& info, BufferAccess wanted);
 
   // Replaces the scene. Throws InputError when it does not fit.
-  void upload(const PackedScene& scene);
+  void upload(PackedScene scene);
 
   Device device;
   BufferAccess access;  // never automatic

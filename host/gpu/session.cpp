@@ -21,10 +21,7 @@ void RenderSession::prepare(Scene scene, const RenderSettings& settings) {
 
 void RenderSession::upload() {
   Stopwatch watch;
-  {
-    const PackedScene packed = std::exchange(packed_, {});
-    renderer_.upload(packed);
-  }
+  renderer_.upload(std::exchange(packed_, {}));
   seconds_.upload = watch.lap();
 }
 

@@ -66,7 +66,7 @@ double Aggregate::intersect(const Ray& ray, uint32_t primitive) const {
   return scene.visitPrimitive(primitive, [&](const auto& p, size_t index) {
     if constexpr (isTriangle<decltype(p)>)
       // A triangle is flat: a ray that starts on it never comes back to it.
-      return startsOnIt ? kFarAway : intersectTriangle(ray, scene.cornersOf(p), faceNormals[index]);
+      return startsOnIt ? kFarAway : intersectTriangle(ray, scene, p, faceNormals[index]);
     else
       return reference::intersect(ray, p, startsOnIt);
   });
@@ -161,7 +161,7 @@ Surface Aggregate::triangleSurface(const Ray& ray, double t, size_t index) const
 
   if (triangle.isSmooth()) {
     const TriangleCorners normals = scene.normalsOf(triangle);
-    const dvec3 weight = edgeAreas(ray, corners);
+    const dvec3 weight = edgeAreas(ray, scene, triangle);
     dvec3 sum(0);
     for (int k = 0; k < 3; ++k) sum += weight[k] / (weight.x + weight.y + weight.z) * glm::normalize(normals[k]);
     if (glm::dot(sum, sum) > 0) surface.Ns = glm::normalize(sum);

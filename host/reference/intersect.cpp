@@ -87,26 +87,26 @@ bool isInside(const dvec3& point, const Sphere& sphere) {
 // for their common edge, with opposite signs; and as rounding is monotone, a difference of two rounded products is of
 // the right sign or zero. A ray through an edge or a vertex is therefore inside at least one of the triangles around
 // it.
-dvec3 edgeAreas(const Ray& ray, const TriangleCorners& corners) {
+dvec3 edgeAreas(const Ray& ray, const Scene& scene, const Triangle& triangle) {
   std::array<glm::dvec2, 3> p;
-  for (int k = 0; k < 3; ++k) {
-    const dvec3 v = corners[k] - ray.origin;
+  for (size_t k = 0; k < 3; ++k) {
+    const dvec3 v = scene.cornerOf(triangle, k) - ray.origin;
     p[k] = {glm::dot(v, ray.across1), glm::dot(v, ray.across2)};
   }
   return {p[1].x * p[2].y - p[1].y * p[2].x, p[2].x * p[0].y - p[2].y * p[0].x, p[0].x * p[1].y - p[0].y * p[1].x};
 }
 
-double intersectTriangle(const Ray& ray, const TriangleCorners& corners, const dvec3& normal) {
-  const dvec3 area = edgeAreas(ray, corners);
+double intersectTriangle(const Ray& ray, const Scene& scene, const Triangle& triangle, const dvec3& normal) {
+  const dvec3 area = edgeAreas(ray, scene, triangle);
   const bool anyNegative = area.x < 0 || area.y < 0 || area.z<0, anyPositive = area.x> 0 || area.y > 0 || area.z > 0;
   if (anyNegative == anyPositive) return kFarAway;  // outside, or seen exactly edge-on
   const double cosine = glm::dot(normal, ray.direction);
   if (cosine == 0) return kFarAway;
   // The distance of the plane, which at a grazing angle must not leave the triangle's own depth.
-  const dvec3 toVertex = corners[0] - ray.origin;
+  const dvec3 toVertex = scene.cornerOf(triangle, 0) - ray.origin;
   const double depth0 = glm::dot(toVertex, ray.direction);
-  const double depth1 = glm::dot(corners[1] - ray.origin, ray.direction);
-  const double depth2 = glm::dot(corners[2] - ray.origin, ray.direction);
+  const double depth1 = glm::dot(scene.cornerOf(triangle, 1) - ray.origin, ray.direction);
+  const double depth2 = glm::dot(scene.cornerOf(triangle, 2) - ray.origin, ray.direction);
   const double t = std::clamp(glm::dot(normal, toVertex) / cosine, std::min({depth0, depth1, depth2}),
                               std::max({depth0, depth1, depth2}));
   return t > 0 ? t : kFarAway;

@@ -51,11 +51,11 @@ Surface surfaceOf(const Ray& ray, double t, const Cone& cone);
 bool isInside(const dvec3& point, const Sphere& sphere);
 
 // The distance at which the ray hits the triangle, edges included, or kFarAway. `normal` is its unit normal.
-double intersectTriangle(const Ray& ray, const TriangleCorners& corners, const dvec3& normal);
+double intersectTriangle(const Ray& ray, const Scene& scene, const Triangle& triangle, const dvec3& normal);
 
 // Twice the areas of the three triangles that the ray's point makes with the edges, seen along the ray: all of one sign
 // if the point is inside, and then in the ratio of the barycentric coordinates.
-dvec3 edgeAreas(const Ray& ray, const TriangleCorners& corners);
+dvec3 edgeAreas(const Ray& ray, const Scene& scene, const Triangle& triangle);
 
 // The unit normal by counter-clockwise winding; 0 for a triangle without area, which no ray hits.
 dvec3 faceNormal(const TriangleCorners& corners);

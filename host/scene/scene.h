@@ -100,6 +100,7 @@ struct Scene {
   std::vector<std::string> notes;  // what the user should be told: no lights, no objects, ...
 
   TriangleCorners cornersOf(const Triangle& triangle) const { return at(positions, triangle.positions); }
+  const glm::dvec3& cornerOf(const Triangle& triangle, size_t k) const { return positions[triangle.positions[k]]; }
   TriangleCorners cornersOf(size_t triangle) const { return cornersOf(triangles[triangle]); }
   // Of a smooth one.
   TriangleCorners normalsOf(const Triangle& triangle) const { return at(normals, triangle.normals); }
