@@ -57,7 +57,9 @@ ConeRoots coneRoots(const Ray ray, const RayFactors factors, const Cone cone) {
   float foot = -along * inverse;
   // A ray along the axis is near to it far away: not beyond the cone. The anchor's foot on it is at -f.d.
   float middle = -(along + height * climb);
+  float nearest = foot;
   foot = lesser(greater(foot, middle - cone.reach), middle + cone.reach);
+  bool isNearest = foot == nearest;
   if (FAR_CONES && (cone.material & kFarCone) != 0u) {
     float scaled = foot * factors.inverseNorm;
     distantFoot(ray, factors, cone, scaled, across, height);
@@ -89,6 +91,11 @@ ConeRoots coneRoots(const Ray ray, const RayFactors factors, const Cone cone) {
     constant = cone.squaredCosine * squaredAcross - radius * radius;
     discriminant = cone.squaredCosine * (squaredDrift * radius * radius - quadratic * squaredAcross +
                                          along * (cone.squaredCosine * along - 2.0 * climbing * radius));
+    if (!isNearest) {
+      // Foot independent: |v|^2 - cos^2 |y x d_y|^2, with v = R d_y - kappa y.
+      vec3 v = radius * drift - climbing * across, moment = cross(across, drift);
+      discriminant = cone.squaredCosine * (dot(v, v) - cone.squaredCosine * dot(moment, moment));
+    }
   }
   roots.enters = discriminant >= 0.0;
   roots.leaves = roots.enters;

@@ -58,5 +58,7 @@ std::vector<Case> refractionCases();
 std::vector<Case> solidCases();
 std::vector<Case> mirrorCases();
 std::vector<Case> shadingCases();
+std::vector<Case> coneCases();
+std::vector<Case> coneSurfaceCases();
 
 }  // namespace turner::hard

@@ -110,13 +110,17 @@ NaiveScene naiveScene(const Scene& local) {
   for (const Sphere& sphere : local.spheres)
     boxes.push_back(
         {glm::vec3(sphere.center - std::abs(sphere.radius)), glm::vec3(sphere.center + std::abs(sphere.radius))});
+  for (const Cone& cone : local.cones) {
+    const Bounds bounds = boundsOf(cone);
+    boxes.push_back({glm::vec3(bounds.lo), glm::vec3(bounds.hi)});
+  }
   for (const Triangle& triangle : local.triangles) {
     const TriangleCorners corners = local.cornersOf(triangle);
     const glm::vec3 a(corners[0]), b(corners[1]), c(corners[2]);
     boxes.push_back({glm::min(a, glm::min(b, c)), glm::max(a, glm::max(b, c))});
   }
-  const size_t sphereCount = local.spheres.size();
-  const Bvh bvh = buildBvh(boxes, {sphereCount});
+  const size_t firstCone = local.spheres.size(), firstTriangle = firstCone + local.cones.size();
+  const Bvh bvh = buildBvh(boxes, {firstCone, firstTriangle});
   NaiveScene scene;
   // Node 0 is the root; the children of Bvh node n are 2 n + 1 and 2 n + 2.
   const auto put = [&](const BvhChild& child) {
@@ -127,13 +131,19 @@ NaiveScene naiveScene(const Scene& local) {
   for (const Bvh::Node& node : bvh.nodes)
     for (const BvhChild& child : node.children) put(child);
   for (const uint id : bvh.order) {
-    if (id < sphereCount) {
+    if (id < firstCone) {
       const Sphere& sphere = local.spheres[id];
       scene.primitives.push_back(rowOf(sphere.center, id));
       scene.primitives.push_back(rowOf(glm::vec3(0), 0));
       scene.primitives.push_back(rowOf(glm::vec3(float(std::abs(sphere.radius)), 0, 0), sphere.material));
+    } else if (id < firstTriangle) {
+      const Cone& cone = local.cones[id - firstCone];
+      scene.primitives.push_back(rowOf(cone.base, id));
+      scene.primitives.push_back(rowOf(cone.apex, 2));
+      scene.primitives.push_back(
+          rowOf(glm::vec3(float(std::abs(cone.baseRadius)), float(std::abs(cone.apexRadius)), 0), cone.material));
     } else {
-      const Triangle& triangle = local.triangles[id - sphereCount];
+      const Triangle& triangle = local.triangles[id - firstTriangle];
       const auto [a, b, c] = local.cornersOf(triangle);
       scene.primitives.push_back(rowOf(a, id));
       scene.primitives.push_back(rowOf(b, 1));

@@ -1,5 +1,5 @@
 // What a float32 ray tracer does that takes its formulas from a textbook: the witness for the prosecution, in tests
-// only. The quadratic formula for spheres, Moeller and Trumbore's test for triangles (JGT 2(1), 1997), slabs by IEEE
+// only. The quadratic formula for spheres and cones, Moeller and Trumbore's test for triangles (JGT 2(1), 1997), slabs by IEEE
 // division against boxes that fit exactly, a least distance instead of a careful start, GLSL's reflect() and refract().
 // It is given and finds the same as step.comp.
 #version 460
@@ -39,6 +39,29 @@ float hitTriangle(const vec3 origin, const vec3 direction, const vec3 v0, const 
   return u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > least ? t : kFarAway;
 }
 
+// |y|^2 = (radius + growth s)^2, with y across the axis and s along it, from the ray's origin.
+float hitCone(const vec3 origin, const vec3 direction, const vec3 base, const vec3 apex, const float baseRadius,
+              const float apexRadius, const float least) {
+  float span = length(apex - base), growth = (apexRadius - baseRadius) / span;
+  vec3 axis = (apex - base) / span, f = origin - base;
+  float s0 = dot(f, axis), s1 = dot(direction, axis);
+  vec3 y0 = f - s0 * axis, y1 = direction - s1 * axis;
+  float r0 = baseRadius + growth * s0, r1 = growth * s1;
+  float a = dot(y1, y1) - r1 * r1, b = dot(y0, y1) - r0 * r1, c = dot(y0, y0) - r0 * r0;
+  float discriminant = b * b - a * c;
+  if (discriminant < 0.0) return kFarAway;
+  float root = sqrt(discriminant), first = (-b - root) / a, second = (-b + root) / a;
+  float near = min(first, second), far = max(first, second), sNear = s0 + near * s1, sFar = s0 + far * s1;
+  if (near > least && sNear >= 0.0 && sNear <= span) return near;
+  return far > least && sFar >= 0.0 && sFar <= span ? far : kFarAway;
+}
+
+vec3 coneNormal(const vec3 point, const vec3 base, const vec3 apex, const float baseRadius, const float apexRadius) {
+  float span = length(apex - base);
+  vec3 axis = (apex - base) / span, f = point - base, y = f - dot(f, axis) * axis;
+  return normalize(normalize(y) - (apexRadius - baseRadius) / span * axis);
+}
+
 bool entersBox(const vec3 origin, const vec3 direction, const vec3 lo, const vec3 hi, const float tMax) {
   vec3 t0 = (lo - origin) / direction, t1 = (hi - origin) / direction;
   vec3 near = min(t0, t1), far = max(t0, t1);
@@ -65,8 +88,10 @@ void main() {
       for (uint k = lo.w; k < lo.w + hi.w; ++k) {
         Word4 p0 = WORD4(primitives, kNaivePrimitiveRows * k), p1 = WORD4(primitives, kNaivePrimitiveRows * k + 1u),
             p2 = WORD4(primitives, kNaivePrimitiveRows * k + 2u);
-        float t = p1.w == 0u ? hitSphere(origin, direction, xyz(p0), uintBitsToFloat(p2.x), least)
-                             : hitTriangle(origin, direction, xyz(p0), xyz(p1), xyz(p2), least);
+        float t = p1.w == 0u   ? hitSphere(origin, direction, xyz(p0), uintBitsToFloat(p2.x), least)
+                  : p1.w == 1u ? hitTriangle(origin, direction, xyz(p0), xyz(p1), xyz(p2), least)
+                               : hitCone(origin, direction, xyz(p0), xyz(p1), uintBitsToFloat(p2.x),
+                                         uintBitsToFloat(p2.y), least);
         if (t < tMax) {
           tMax = t;
           hit = k;
@@ -90,7 +115,9 @@ void main() {
     id = p0.w;
     material = p2.w;
     point = origin + tMax * direction;
-    Ng = p1.w == 0u ? normalize(point - xyz(p0)) : normalize(cross(xyz(p1) - xyz(p0), xyz(p2) - xyz(p0)));
+    Ng = p1.w == 0u   ? normalize(point - xyz(p0))
+         : p1.w == 1u ? normalize(cross(xyz(p1) - xyz(p0), xyz(p2) - xyz(p0)))
+                      : coneNormal(point, xyz(p0), xyz(p1), uintBitsToFloat(p2.x), uintBitsToFloat(p2.y));
     front = dot(Ng, direction) < 0.0;
     if (!front) Ng = -Ng;
     leaves = true;

@@ -13,7 +13,8 @@ namespace turner::gpu {
 TURNER_CONST kNaiveLo = 0u;  // w: first child, or of a leaf its first primitive
 TURNER_CONST kNaiveHi = 1u;  // w: primitives of a leaf; 0: not a leaf
 TURNER_CONST kNaiveNodeRows = 2u;
-// Primitives, leaf by leaf: centre or v0, w: id | v1, w: 0 for spheres, 1 for triangles | radius or v2, w: material
+// Primitives, leaf by leaf: centre, v0 or base, w: id | v1 or apex, w: 0 for spheres, 1 for triangles, 2 for cones |
+// radius, v2, or radii of base and apex, w: material
 TURNER_CONST kNaivePrimitiveRows = 3u;
 
 #ifdef __cplusplus
