@@ -155,7 +155,7 @@ TEST(Cone, PictureHoldsItsSurfaceTightly) {
     if (!face.project(box, projection)) continue;
     const Projection ofBox = projection;
     OuterEdges edges{};
-    projectCone(cone, face, box, projection, edges);
+    narrow(cone, face, box, projection, edges);
     EXPECT_EQ(projection.distance, ofBox.distance);
     // The whole cone is before the point, or nothing has changed.
     double nearest = INFINITY;
@@ -251,7 +251,7 @@ TEST(Cone, EndsThatRoundToOnePointStayApart) {
 TEST(Cone, PackedFromTheLesserRadius) {
   Cone cone{{1, 2, 3}, 2, {1, 2, 7}, 1, 5};
   for (int turn = 0; turn < 2; ++turn) {
-    const gpu::Cone packed = packCone(cone, 9);
+    const gpu::Cone packed = packed(cone, 9);
     EXPECT_EQ(packed.anchor.z, turn == 0 ? 7 : 3);
     EXPECT_EQ(packed.axis.z, turn == 0 ? -1 : 1);
     EXPECT_EQ(packed.span, 4);
@@ -264,8 +264,8 @@ TEST(Cone, PackedFromTheLesserRadius) {
     EXPECT_EQ(packed.material, 5u);
     cone = {cone.base, cone.apexRadius, cone.apex, cone.baseRadius, cone.material};
   }
-  EXPECT_EQ(packCone(Cone{{0, 0, 1}, -1, {0, 0, 2}, 0, 5}, 0).material, 5u | gpu::kConeInward);
-  EXPECT_EQ(packCone(Cone{{0, 0, 1}, 1e-4, {0, 0, 2}, 0, 5}, 0).material, 5u | gpu::kFarCone);
+  EXPECT_EQ(packed(Cone{{0, 0, 1}, -1, {0, 0, 2}, 0, 5}, 0).material, 5u | gpu::kConeInward);
+  EXPECT_EQ(packed(Cone{{0, 0, 1}, 1e-4, {0, 0, 2}, 0, 5}, 0).material, 5u | gpu::kFarCone);
 }
 
 TEST(Cone, IsFarBeyondManyRadii) {
