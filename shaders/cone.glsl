@@ -129,7 +129,7 @@ bool isBetweenEnds(const Cone cone, const ConeRoots roots, const float t) {
     vec3 y = roots.across + t * roots.drift;
     float cosine = sqrt(cone.squaredCosine), radius = cosine * length(y), steepMargin = margin * cosine;
     within = radius >= cone.base - steepMargin && radius <= cone.base + cone.slope * cone.span + steepMargin &&
-             cone.base + cone.slope * height >= -0.125 * margin;
+             cone.base + cone.slope * height >= -0.5 * margin;
   }
   return within;
 }

@@ -1,6 +1,7 @@
 """turner render --stats: keys, and counts of rays."""
 
 from support.command import SMALL, TINY, Command
+from support.scene_texts import NFF
 from support.settings import SCENES
 
 
@@ -69,6 +70,16 @@ class Statistics(Command):
         for backend in ("shader", "reference"):
             stats = self.stats(SCENES / "spheres.json", *SMALL, "--crop", "10,10,30,20", "--backend", backend)
             self.assertEqual(stats["rays"]["eye"], 200, backend)
+
+    def test_cones_are_counted(self):
+        cone = '{ "base": [0, 0, 0], "base_radius": 1, "apex": [0, 2, 0], "apex_radius": 0.5, "material": "m" }'
+        scene = self.write("cones.json", '{ "materials": { "m": {} }, "cones": [' + ", ".join([cone] * 3) + "] }")
+        inward = self.write("inward.nff", NFF + "c\n0 0 0 -1\n0 1 0 -1\n")
+        for backend in ("shader", "reference"):
+            stats = self.stats(scene, *TINY, "--backend", backend)
+            self.assertEqual(stats["primitives"], {"spheres": 0, "cones": 3, "triangles": 0}, backend)
+            stats = self.stats(inward, *TINY, "--backend", backend)
+            self.assertEqual(stats["primitives"], {"spheres": 1, "cones": 1, "triangles": 2}, backend)
 
     def test_stats_are_there_for_an_empty_scene(self):
         stats = self.stats(self.write("empty.json", "{}"), *TINY)

@@ -89,6 +89,10 @@ class WrongScenes(Command):
             ('{ "materials": { "a": §{ "reflect": 0.6, "transmit": 0.5 } } }', ["reflect", "transmit"]),
             ('{ "materials": { "a": { "transmit": 0.5, "ior": §0 } } }', ["ior"]),
             ('{ CLAY, "spheres": [ { "center": [0,0,0], "radius": §0, "material": "clay" } ] }', ["radius"]),
+            ('{ CLAY, "cones": [ §{ "base": [0,0,0], "base_radius": 0, "apex": [0,1,0], "apex_radius": 0, '
+             '"material": "clay" } ] }', ["radii"]),
+            ('{ CLAY, "cones": [ { "base": [0,0,0], "base_radius": §-1, "apex": [0,1,0], "apex_radius": 0, '
+             '"material": "clay" } ] }', ["base_radius", "-1"]),
             ('{ "lights": [ { "position": [0, 0, 0], "falloff": §"linear" } ] }', ["linear", "inverse-square"]),
             # what is missing
             ('{ "camera": §{ "eye": [0,0,1] } }', ["target", "missing"]),

@@ -101,7 +101,9 @@ inline TestRay alongAGenerator(const ConeOracle& cone, double away, Random& rand
 inline TestRay atTheTip(const ConeOracle& cone, double away, Random& random) {
   const dvec3 off = random() % 8 ? cone.widest() * halvings(random, 4, 26) * randomDirection(random) : dvec3(0);
   const dvec3 tip = cone.centerAt(cone.radiusAt(0) < cone.radiusAt(1) ? 0 : 1);
-  return rayThrough(cone, tip + off, randomDirection(random), away);
+  const double upright = random() % 2 ? 0 : random() % 2 ? 1 : -1;
+  const dvec3 tilt = (upright == 0 ? 1 : halvings(random, 4, 30)) * randomDirection(random);
+  return rayThrough(cone, tip + off, glm::normalize(upright * cone.axis() + tilt), away);
 }
 
 inline TestRay fromInside(const ConeOracle& cone, double, Random& random) {

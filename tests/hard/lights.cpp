@@ -65,14 +65,14 @@ struct SurfacePoint {
   dvec3 point, normal;
 };
 
-// The point of the body where a ray arrived. Of a triangle the point is any.
+// The point of the body, of spheres or triangles, where a ray arrived. Of a triangle the point is any.
 SurfacePoint trueSurface(const Scene& local, const Found& found) {
   if (found.id < local.spheres.size()) {
     const Sphere& sphere = local.spheres[found.id];
     const dvec3 normal = glm::normalize(dvec3(found.point) - sphere.center);
     return {sphere.center + sphere.radius * normal, normal};
   }
-  const auto& [a, b, c] = local.cornersOf(found.id - local.spheres.size());
+  const auto& [a, b, c] = local.cornersOf(found.id - local.spheres.size() - local.cones.size());
   return {a, glm::normalize(glm::cross(b - a, c - a))};
 }
 

@@ -66,11 +66,10 @@ struct IdPicture {
 // Renders a scene with a light at its eye and each primitive in a colour that is its id.
 IdPicture renderIds(Scene scene, int size) {
   constexpr uint32_t kDigits = 1024;
-  const size_t spheres = scene.spheres.size();
-  scene.materials.assign(spheres + scene.triangles.size(), Material{});
+  scene.materials.assign(scene.primitiveCount(), Material{});
   for (uint32_t id = 0; id < scene.materials.size(); ++id) {
     scene.materials[id].diffuse = {1, double(id / kDigits) / kDigits, double(id % kDigits) / kDigits};
-    (id < spheres ? scene.spheres[id].material : scene.triangles[id - spheres].material) = id;
+    visitPrimitive(scene, id, [&](auto& primitive) { primitive.material = id; });
   }
   scene.lights = {{.position = scene.camera.eye}};
   scene.depth = 1;
@@ -508,7 +507,7 @@ void geometricLineUp(const Bench& bench, Report& report) {
 
 // --- 23: many primitives ---
 
-// A cube of cells in front of the eye, with a sphere or a triangle in the middle part of each: by turns.
+// A cube of cells in front of the eye, with a sphere, a cone or a triangle in the middle part of each: by turns.
 class Cells {
  public:
   explicit Cells(size_t count, Random& random) : perSide_(int(std::cbrt(double(count)) + 0.5)) {
@@ -522,8 +521,12 @@ class Cells {
                                                             uniform(random, margin, 1 - margin),
                                                             uniform(random, margin, 1 - margin)));
           };
-          if (isSphere(indexOf({x, y, z})))
+          const size_t kind = indexOf({x, y, z}) % kKinds;
+          if (kind == 0)
             scene_.spheres.push_back({.center = inCell(0.3), .radius = cell * uniform(random, 0.05, 0.25)});
+          else if (kind == 1)
+            scene_.cones.push_back({inCell(0.2), cell * uniform(random, 0, 0.1), inCell(0.2),
+                                    cell * (random() % 2 ? 0.01 : uniform(random, 0.01, 0.1)), 0});
           else
             scene_.addTriangle({inCell(0.1), inCell(0.1), inCell(0.1)});
         }
@@ -562,8 +565,7 @@ class Cells {
       glm::ivec3 at;
       at[axis] = layer;
       for (at[a] = aLo; at[a] <= aHi; ++at[a])
-        for (at[b] = bLo; at[b] <= bHi; ++at[b])
-          addPrimitive(nearest, local, idAt(at, local.spheres.size()), ray.origin, direction);
+        for (at[b] = bLo; at[b] <= bHi; ++at[b]) addPrimitive(nearest, local, idAt(at, local), ray.origin, direction);
     }
     return nearest.truth();
   }
@@ -572,10 +574,11 @@ class Cells {
   static constexpr double kSide = 2;
   static constexpr dvec3 kCorner = {-1, -1, 1.5};
   size_t indexOf(const glm::ivec3& at) const { return size_t((at.z * perSide_ + at.y) * perSide_ + at.x); }
-  static bool isSphere(size_t index) { return index % 2 == 0; }
-  uint32_t idAt(const glm::ivec3& at, size_t spheres) const {
-    const size_t index = indexOf(at);
-    return uint32_t(isSphere(index) ? index / 2 : spheres + index / 2);
+  static constexpr size_t kKinds = 3;
+  uint32_t idAt(const glm::ivec3& at, const Scene& scene) const {
+    const size_t index = indexOf(at), kind = index % kKinds;
+    const size_t first = kind == 0 ? 0 : scene.spheres.size() + (kind == 1 ? 0 : scene.cones.size());
+    return uint32_t(first + index / kKinds);
   }
 
   int perSide_;

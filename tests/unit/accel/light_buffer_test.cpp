@@ -5,13 +5,17 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
 #include <random>
 #include <set>
+#include <type_traits>
+#include <utility>
 
 #include "gpu/pack_scene.h"
 
@@ -42,11 +46,17 @@ struct Listed {
 
   explicit Listed(Scene scene) {
     for (Sphere& sphere : scene.spheres) sphere.center = toFloat(sphere.center), sphere.radius = float(sphere.radius);
+    for (Cone& cone : scene.cones) cone = toLocal(cone, LocalFrame{});
     for (dvec3& position : scene.positions) position = toFloat(position);
     prepared = prepareGeometry(std::move(scene));
     bvh = buildBvh(prepared.boxes, prepared.typeStarts());
-    for (uint i = 0; i < bvh.order.size(); ++i)
-      references.push_back((bvh.order[i] >= prepared.firstPair() ? gpu::kRefTriangle : 0) | i);
+    for (uint i = 0; i < bvh.order.size(); ++i) references.push_back(typeOf(bvh.order[i]) | i);
+  }
+  // Bits of a reference to an element.
+  uint typeOf(size_t element) const {
+    return element >= prepared.firstPair()            ? gpu::kRefTriangle
+           : element >= prepared.scene.spheres.size() ? gpu::kRefCone
+                                                      : 0;
   }
   LightBufferTree tree() const { return {prepared, bvh, references}; }
   TriangleCorners anyTriangle(RandomNumbers& random) const {
@@ -116,6 +126,21 @@ double distanceTo(const Sphere& sphere, const dvec3& origin, const dvec3& d) {
   return b - half > 0 ? (b - half) / squared : b + half > 0 ? (b + half) / squared : kMiss;
 }
 
+double distanceTo(const Cone& cone, const dvec3& origin, const dvec3& d) {
+  const dvec3 way = cone.apex - cone.base, q = origin - cone.base;
+  const double squared = glm::dot(way, way), s0 = glm::dot(q, way) / squared, s1 = glm::dot(d, way) / squared;
+  const double radius = std::abs(cone.baseRadius), growth = std::abs(cone.apexRadius) - radius;
+  const dvec3 y0 = q - s0 * way, y1 = d - s1 * way;
+  const double r0 = radius + growth * s0, r1 = growth * s1;
+  const double a = glm::dot(y1, y1) - r1 * r1, b = glm::dot(y0, y1) - r0 * r1, c = glm::dot(y0, y0) - r0 * r0;
+  if (b * b < a * c) return kMiss;
+  const double root = std::sqrt(b * b - a * c), sum = b < 0 ? root - b : -root - b;
+  double nearest = kMiss;
+  for (const double t : {c / sum, sum / a})
+    if (t > 0 && s0 + t * s1 >= 0 && s0 + t * s1 <= 1) nearest = std::min(nearest, t);
+  return nearest;
+}
+
 double distanceTo(const TriangleCorners& corners, const dvec3& origin, const dvec3& d) {
   const auto& [a, b, c] = corners;
   const dvec3 e1 = b - a, e2 = c - a, p = glm::cross(d, e2), s = origin - a, q = glm::cross(s, e1);
@@ -124,12 +149,19 @@ double distanceTo(const TriangleCorners& corners, const dvec3& origin, const dve
   return u >= 0 && v >= 0 && u + v <= 1 && t > 0 ? t : kMiss;
 }
 
-// To the nearest of a shape, by its box.
-double distanceTo(const PreparedGeometry& prepared, uint box, const dvec3& origin, const dvec3& d) {
-  if (box < prepared.firstPair()) return distanceTo(prepared.scene.spheres[box], origin, d);
-  const TrianglePair& pair = prepared.pairs[box - prepared.firstPair()];
+double distanceTo(const PreparedGeometry& prepared, const TrianglePair& pair, const dvec3& origin, const dvec3& d) {
   const double t = distanceTo(prepared.scene.cornersOf(pair.first), origin, d);
   return pair.isAlone() ? t : std::min(t, distanceTo(prepared.scene.cornersOf(pair.second), origin, d));
+}
+
+// To the nearest of a shape, by its box.
+double distanceTo(const PreparedGeometry& prepared, uint box, const dvec3& origin, const dvec3& d) {
+  return prepared.visitElement(box, [&](const auto& element) {
+    if constexpr (std::is_same_v<std::decay_t<decltype(element)>, TrianglePair>)
+      return distanceTo(prepared, element, origin, d);
+    else
+      return distanceTo(element, origin, d);
+  });
 }
 
 // The shapes below a node, with the least distance that the list tells for them.
@@ -162,10 +194,18 @@ void expectHitsInList(const Listed& listed, const LightBuffers& lightBuffers, si
   }
 }
 
-// Small and large, near and far, slivers among them; flat and folded pairs, some of whose corners do not stick out.
+// Small and large, near and far, slivers among them; flat and folded pairs, some of whose corners do not stick out;
+// cones from needles to discs.
 Scene mixture(RandomNumbers& random, int count) {
   Scene scene;
   const double largest = random.size(0.05, 2);
+  for (int i = 0; i < count / 3; ++i) {
+    const double size = random.size(1e-4, largest);
+    const dvec3 base = random.point(1);
+    scene.cones.push_back({base, i % 3 == 0 ? 0 : size * random.size(1e-3, 1),
+                           base + random.size(1e-2, 1) * size * glm::normalize(random.point(1)),
+                           size * random.size(1e-3, 1), 0});
+  }
   for (int i = 0; i < count; ++i) {
     const dvec3 at = random.point(1);
     const double size = random.size(1e-4, largest);
@@ -179,6 +219,15 @@ Scene mixture(RandomNumbers& random, int count) {
     }
   }
   return scene;
+}
+
+// A point of a cone, on one of its circles or between.
+dvec3 onCone(const std::vector<Cone>& cones, RandomNumbers& random) {
+  const Cone& cone = cones[random.index(cones.size())];
+  const dvec3 way = glm::normalize(cone.apex - cone.base);
+  const dvec3 across = glm::normalize(glm::cross(way, random.point(1)));
+  const double share = std::array{0.0, 1.0, random.between(0, 1)}[random.index(3)];
+  return glm::mix(cone.base, cone.apex, share) + std::lerp(cone.baseRadius, cone.apexRadius, share) * across;
 }
 
 TEST(LightBuffer, HoldsWhateverRaysHit) {
@@ -198,7 +247,8 @@ TEST(LightBuffer, HoldsWhateverRaysHit) {
         // Half of the rays go to a corner or an edge of something, where a cell ends most likely.
         const auto [a, b, c] = listed.anyTriangle(random);
         const double s = ray % 4 == 0 ? 0 : random.between(0, 1);
-        const dvec3 target = ray % 2 ? random.point(1) : s * a + (1 - s) * (ray % 3 ? b : c);
+        dvec3 target = ray % 2 ? random.point(1) : s * a + (1 - s) * (ray % 3 ? b : c);
+        if (ray % 8 == 6) target = onCone(listed.prepared.scene.cones, random);
         const glm::vec3 d = target - points[p].position;
         if (d != glm::vec3(0)) expectHitsInList(listed, lightBuffers, p, points[p], d);
         if (HasFatalFailure()) return;
@@ -289,19 +339,19 @@ void forAllLists(const LightBuffers& lightBuffers, size_t points, const Visit& v
     const uint first = lightBuffers.rows.at(cell).x, side = lightBuffers.rows.at(cell).y;
     for (uint i = 0; i < side * side; ++i) {
       const Word4& row = lightBuffers.rows.at(first + i);
-      visit(row.x, row.y, row.z);
+      visit(row.x, row.y, row.z, row.w);
     }
   }
 }
 
-TEST(LightBuffer, ListsAreSortedSpheresFirst) {
+TEST(LightBuffer, ListsAreSortedSpheresFirstThenCones) {
   RandomNumbers random{std::mt19937_64(9)};
   for (const int count : {30, 3000}) {
     const Listed listed(mixture(random, count));
     const LightBufferPoint point = pointAt({3, 0, 1}, 1 << 16);
     const LightBuffers lightBuffers = buildLightBuffers(std::span(&point, 1), listed.tree());
     size_t lists = 0, nodes = 0;
-    forAllLists(lightBuffers, 1, [&](uint first, uint end, uint triangles) {
+    forAllLists(lightBuffers, 1, [&](uint first, uint end, uint triangles, uint cones) {
       ++lists;
       ASSERT_LE(first, end);
       ASSERT_LE(end, 2 * lightBuffers.rows.size());
@@ -309,11 +359,14 @@ TEST(LightBuffer, ListsAreSortedSpheresFirst) {
         const Entry entry = entryAt(lightBuffers, i);
         ASSERT_GE(entry.distance, 0);
         nodes += (entry.reference & gpu::kRefLeaf) == 0;
-        if (i > first && (lightBuffers.visitsNodes[0] || i != triangles)) {
+        if (i > first && (lightBuffers.visitsNodes[0] || (i != triangles && i != cones))) {
           ASSERT_LE(entryAt(lightBuffers, i - 1).distance, entry.distance);
         }
         if (!lightBuffers.visitsNodes[0]) {
-          ASSERT_EQ((entry.reference & gpu::kRefTriangle) != 0, i >= triangles);
+          const uint type = listed.typeOf(listed.bvh.order[entry.reference & gpu::kRefOffsetMask]);
+          ASSERT_EQ(type == gpu::kRefTriangle, i >= triangles);
+          ASSERT_EQ(type == gpu::kRefCone, i >= cones && i < triangles);
+          ASSERT_EQ(entry.reference & (gpu::kRefTriangle | (type == gpu::kRefTriangle ? 0 : gpu::kRefCone)), type);
         }
       }
     });

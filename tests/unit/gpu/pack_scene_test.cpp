@@ -187,7 +187,7 @@ struct PackedCensus {
                       gpu::uint material, gpu::uint normals, const ExpectInside& expectInside) {
     const gpu::uint id = ids.at(rank);
     ++seen.at(id);
-    const Triangle& triangle = local.triangles.at(id - local.spheres.size());
+    const Triangle& triangle = local.triangles.at(id - local.spheres.size() - local.cones.size());
     EXPECT_EQ(material, triangle.material);
     EXPECT_EQ(normals != gpu::kRefNone, triangle.isSmooth());
     const TriangleCorners corners = local.cornersOf(triangle);

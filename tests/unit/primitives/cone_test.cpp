@@ -251,17 +251,17 @@ TEST(Cone, EndsThatRoundToOnePointStayApart) {
 TEST(Cone, PackedFromTheLesserRadius) {
   Cone cone{{1, 2, 3}, 2, {1, 2, 7}, 1, 5};
   for (int turn = 0; turn < 2; ++turn) {
-    const gpu::Cone packed = packed(cone, 9);
-    EXPECT_EQ(packed.anchor.z, turn == 0 ? 7 : 3);
-    EXPECT_EQ(packed.axis.z, turn == 0 ? -1 : 1);
-    EXPECT_EQ(packed.span, 4);
-    EXPECT_EQ(packed.base, float(4 / std::sqrt(17.0)));
-    EXPECT_EQ(packed.slope, float(1 / std::sqrt(17.0)));
-    EXPECT_EQ(packed.squaredCosine, float(16 / 17.0));
-    EXPECT_GE(packed.reach, std::sqrt(20.0));
-    EXPECT_LE(packed.reach, std::sqrt(20.0) * (1 + 1e-5));
-    EXPECT_EQ(packed.rank, 9u);
-    EXPECT_EQ(packed.material, 5u);
+    const gpu::Cone form = packed(cone, 9);
+    EXPECT_EQ(form.anchor.z, turn == 0 ? 7 : 3);
+    EXPECT_EQ(form.axis.z, turn == 0 ? -1 : 1);
+    EXPECT_EQ(form.span, 4);
+    EXPECT_EQ(form.base, float(4 / std::sqrt(17.0)));
+    EXPECT_EQ(form.slope, float(1 / std::sqrt(17.0)));
+    EXPECT_EQ(form.squaredCosine, float(16 / 17.0));
+    EXPECT_GE(form.reach, std::sqrt(20.0));
+    EXPECT_LE(form.reach, std::sqrt(20.0) * (1 + 1e-5));
+    EXPECT_EQ(form.rank, 9u);
+    EXPECT_EQ(form.material, 5u);
     cone = {cone.base, cone.apexRadius, cone.apex, cone.baseRadius, cone.material};
   }
   EXPECT_EQ(packed(Cone{{0, 0, 1}, -1, {0, 0, 2}, 0, 5}, 0).material, 5u | gpu::kConeInward);

@@ -1,4 +1,4 @@
-// Every renderer against every scene of closed_form.h.
+// Every renderer against every scene of closed_form.h and cone_closed_forms.h.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -9,6 +9,7 @@
 
 #include "reference/reference.h"
 #include "support/closed_form.h"
+#include "support/cone_closed_forms.h"
 #include "support/shader_harness.h"
 
 namespace turner {
@@ -48,6 +49,12 @@ TEST_P(ClosedForm, HasTheKnownValues) {
 
 INSTANTIATE_TEST_SUITE_P(
     Scenes, ClosedForm, testing::Combine(testing::ValuesIn(allRenderers()), testing::ValuesIn(closed_form::allCases())),
+    [](const auto& test) {
+      return std::get<Renderer>(test.param).name + "_" + std::get<closed_form::Case>(test.param).name;
+    });
+
+INSTANTIATE_TEST_SUITE_P(
+    Cones, ClosedForm, testing::Combine(testing::ValuesIn(allRenderers()), testing::ValuesIn(closed_form::coneCases())),
     [](const auto& test) {
       return std::get<Renderer>(test.param).name + "_" + std::get<closed_form::Case>(test.param).name;
     });

@@ -155,6 +155,22 @@ TEST(SceneJson, everyFieldArrivesInItsPlace) {
   EXPECT_EQ(scene.normalsOf(1)[1], glm::dvec3(0, 2, 0));
 }
 
+TEST(SceneJson, conesArriveInTheirPlace) {
+  const Scene scene = parse(R"({
+    "cones": [{ "base": [1, 2, 3], "base_radius": 0.5, "apex": [4, 5, 6], "apex_radius": 0, "material": "b" },
+              { "material": "a", "apex_radius": 2, "apex": [0, 1, 0], "base_radius": 2, "base": [0, 0, 0] }],
+    "materials": { "b": {}, "a": {} } })");
+  ASSERT_EQ(scene.cones.size(), 2u);
+  EXPECT_EQ(scene.cones[0].base, glm::dvec3(1, 2, 3));
+  EXPECT_EQ(scene.cones[0].baseRadius, 0.5);
+  EXPECT_EQ(scene.cones[0].apex, glm::dvec3(4, 5, 6));
+  EXPECT_EQ(scene.cones[0].apexRadius, 0);
+  EXPECT_EQ(scene.cones[0].material, 0u);
+  EXPECT_FALSE(scene.cones[0].isInward());
+  EXPECT_EQ(scene.cones[1].apexRadius, 2);
+  EXPECT_EQ(scene.cones[1].material, 1u);
+}
+
 TEST(SceneJson, numbersAreTheNearestDoubles) {
   const Scene scene = parse(
       R"({"background":[0.1,1e-400,0.30000000000000004],"lights":[{"position":[-2.2250738585072014e-308,5e-324,1E+3]},)"
@@ -212,6 +228,33 @@ TEST(SceneJsonFaults, allAreReportedInTheOrderOfTheirPlaces) {
             "scene.json:3:15: error: lights[0]: key \"position\" is missing; it has no default\n"
             "scene.json:4:39: error: materials.clay.reflect: found 2; must be a number from 0 to 1\n"
             "scene.json:5:13: error: camera: eye and target are the same point; they must differ");
+}
+
+TEST(SceneJsonFaults, ofConesAreToldInTheirPlaces) {
+  const auto faultOf = [](const std::string& cone) {
+    return faultsOf("{\"materials\":{\"m\":{}},\n\"cones\":[" + cone + "]}");
+  };
+  const std::string ends = R"("base":[0,0,0],"apex":[0,1,0],"material":"m")";
+  EXPECT_EQ(faultOf("{" + ends + R"(,"base_radius":1,"apex_radius":0})"), "");
+  EXPECT_EQ(faultOf("{" + ends + R"(,"base_radius":1e5,"apex_radius":0})"), "");
+  EXPECT_EQ(faultOf("{" + ends + R"(,"base_radius":1})"),
+            "scene.json:2:10: error: cones[0]: key \"apex_radius\" is missing; it has no default");
+  EXPECT_EQ(faultOf("{" + ends + R"(,"apex_radius":1})"),
+            "scene.json:2:10: error: cones[0]: key \"base_radius\" is missing; it has no default");
+  for (const std::string member : {"base", "apex", "material"}) {
+    std::string cone = "{" + ends + R"(,"base_radius":1,"apex_radius":1})";
+    cone.replace(cone.find('"' + member + '"'), member.size() + 2, "\"base_radius\"");
+    EXPECT_TRUE(contains(faultOf(cone), "cones[0]: key \"" + member + "\" is missing")) << faultOf(cone);
+  }
+  EXPECT_EQ(faultOf("{" + ends + R"(,"base_radius":0,"apex_radius":0})"),
+            "scene.json:2:10: error: cones[0]: both radii are 0; one of them must be greater");
+  EXPECT_EQ(faultOf("{" + ends + R"(,"base_radius":1,"apex_radius":-1})"),
+            "scene.json:2:87: error: cones[0].apex_radius: found -1; must be a number from 0 to 1e30");
+  EXPECT_EQ(faultOf(R"({"base":[1,2,3],"apex":[1,2,3],"material":"m","base_radius":1,"apex_radius":1})"),
+            "scene.json:2:10: error: cones[0]: base and apex are the same point; a cone needs a length");
+  EXPECT_TRUE(contains(faultOf("{" + ends + R"(,"base_radius":0,"apex_radius":1.01e5})"),
+                       "scene.json:2:10: error: cones[0]: the radii differ by more than 1e5 times the distance"));
+  EXPECT_TRUE(contains(faultOf("{" + ends + R"(,"base_radius":1,"apex_radius":1,"radius":1})"), "unknown key"));
 }
 
 TEST(SceneJsonFaults, placesAreRightBehindCommentsAndByteOrderMarks) {
