@@ -63,6 +63,10 @@ inline std::optional<Meeting> meet(const TriangleCorners& corners, const dvec3& 
 }
 
 inline std::optional<Meeting> meet(const Cone& cone, const dvec3& origin, const dvec3& direction) {
+  // Most rays pass it far away.
+  const dvec3 middle = 0.5 * (cone.base + cone.apex), unit = glm::normalize(direction);
+  const double reach = glm::length(cone.apex - cone.base) + std::abs(cone.baseRadius) + std::abs(cone.apexRadius);
+  if (glm::length(glm::cross(middle - origin, unit)) > reach) return {};
   const double unsure = kUnsure * ConeOracle(cone).scaleFrom(origin);
   // Its radii and its length more by so much, or less.
   const auto first = [&](double more) {

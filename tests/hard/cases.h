@@ -60,5 +60,6 @@ std::vector<Case> mirrorCases();
 std::vector<Case> shadingCases();
 std::vector<Case> coneCases();
 std::vector<Case> coneSurfaceCases();
+std::vector<Case> coneJointCases();
 
 }  // namespace turner::hard

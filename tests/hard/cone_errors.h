@@ -46,10 +46,10 @@ struct Units {
 // surface. (At a rim the near wall may be hit by the ends' margin, and the far wall be a hair behind it.)
 inline const ConeMeeting* meetingAt(const ConeOracle& oracle, const std::vector<ConeMeeting>& meetings,
                                     const dvec3& origin, const dvec3& direction, double t, double unit) {
-  const Wide3 o = wide(origin), d = wide(direction);
-  const double cosine = double(dot(oracle.outwardAt(o + Wide(t) * d), d));
-  // Where t is not known as well as the cone is thick there is one wall.
-  const bool wallsAreOne = std::min(oracle.widest(), oracle.lengthOfAxis()) < kFarOff * unit;
+  const Wide3 o = wide(origin), d = wide(direction), x = o + Wide(t) * d;
+  const double cosine = double(dot(oracle.outwardAt(x), d));
+  // Where t is not known as well as the cone is thick there, there is one wall.
+  const bool wallsAreOne = std::min(oracle.distanceFromAxis(x), oracle.lengthOfAxis()) < kFarOff * unit;
   const ConeMeeting* nearest = nullptr;
   const auto apart = [&](const ConeMeeting& meeting) { return std::abs(double(meeting.t - t)); };
   for (const ConeMeeting& meeting : meetings) {

@@ -138,7 +138,7 @@ class ConeOracle {
     for (int i = -kSteps; i <= kSteps; ++i)
       if (distanceAt(t + i * step) < distanceAt(best)) best = t + i * step;
     long double from = best - step, to = best + step;
-    for (int i = 0; i < 24; ++i) {
+    for (int i = 0; i < 60; ++i) {
       const long double third = (to - from) / 3, a = from + third, b = to - third;
       if (distanceAt(a) < distanceAt(b))
         to = b;

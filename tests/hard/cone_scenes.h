@@ -8,6 +8,7 @@
 #include "hard/cases.h"
 #include "hard/cone_oracle.h"
 #include "hard/vectors.h"
+#include "layout.h"
 
 namespace turner::hard {
 
@@ -40,6 +41,11 @@ inline Scene coneScene(const std::vector<Cone>& cones) {
   scene.materials = {Material{.diffuse = {1, 1, 1}}};
   scene.cones = cones;
   return scene;
+}
+
+// Whether a ray leaves a cone or a sphere toward its inside.
+inline bool goesInward(const TestRay& ray) {
+  return (ray.leaving & gpu::kStartsInward) != 0;
 }
 
 // --- the rays ---

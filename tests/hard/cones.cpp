@@ -63,13 +63,13 @@ struct Aim {
 // --- 43: all shapes, near ---
 
 void shapesNearBy(const Bench& bench, Report& report) {
-  const std::array<Aim, 7> aims = {{{"anywhere", anywhere, {7, 45, 5}},
-                                    {"silhouettes", atTheSilhouette, {7, 45, 6}},
-                                    {"rims", atTheRims, {11, 150, 6}},
-                                    {"along the axis", alongTheAxis, {7, 20, 5}},
-                                    {"along a generator", alongAGenerator, {45, 45, 6}},
-                                    {"tips", atTheTip, {7, 40, 5}},
-                                    {"from inside", fromInside, {7, 20, 4}}}};
+  const std::array<Aim, 7> aims = {{{"anywhere", anywhere, {8, 28, 4}},
+                                    {"silhouettes", atTheSilhouette, {6, 28, 4}},
+                                    {"rims", atTheRims, {8, 28, 4}},
+                                    {"along the axis", alongTheAxis, {8, 22, 3}},
+                                    {"along a generator", alongAGenerator, {6, 24, 4}},
+                                    {"tips", atTheTip, {7, 26, 3}},
+                                    {"from inside", fromInside, {9, 17, 4}}}};
   std::array<Both<ConeErrors>, 7> errors;
   Random random = bench.random(43);
   const std::vector<ConeShape> shapes = allConeShapes();
@@ -100,7 +100,7 @@ void shapesFromAfar(const Bench& bench, Report& report) {
       for (const ConeRayMaker aim : aims)
         if (aim != &atTheTip || shape.radius == 0) measureCone(bench, cone, away, rays / 6, random, aim, errors);
     }
-    reportCones(report, fmt::format("{:g} lengths away", lengths), errors, {7, 45, 5});
+    reportCones(report, fmt::format("{:g} lengths away", lengths), errors, {7, 24, 3});
   }
 }
 
@@ -140,10 +140,10 @@ void nearlyDiscs(const Bench& bench, Report& report) {
         }
       }
     const std::string what = fmt::format("radii {:g} lengths apart", flatness);
-    reportCones(report, what, errors, {7, 45, 5});
+    reportCones(report, what, errors, {10, 22, 4});
     report.atMost(what + ", the reference: wrong hits and misses", double(reference.wrong), 0, {},
                   fmt::format("the farthest {:.3g} roundings of double from the border", reference.border));
-    report.atMost(what + ", the reference: o + t d off the surface, roundings of double", reference.alongRay, 12);
+    report.atMost(what + ", the reference: o + t d off the surface, roundings of double", reference.alongRay, 6);
   }
 }
 

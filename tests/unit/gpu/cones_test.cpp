@@ -59,11 +59,11 @@ class MixedScenes : public testing::TestWithParam<std::tuple<std::string, Kinds>
 // Lists, lists of nodes and walks from the root; interrupted everywhere, in the middle of a cell's list too.
 TEST_P(MixedScenes, DoNotDependOnListsOrInterruptions) {
   const Scene scene = mixedScene(std::get<Kinds>(GetParam()), 240, 31);
-  const RenderSettings settings = settingsOf(scene, 96, 72);
+  const RenderSettings settings = settingsOf(scene, 40, 30);
   const Image expected = renderShader(scene, settings);
   for (const TraversalStart start : {TraversalStart::lists, TraversalStart::mixedLists, TraversalStart::wholeTree}) {
     test::renderer().upload(test::packed(scene, settings, start));
-    for (const uint32_t budget : {0u, 1u, kLeastBudget + 1, 23u, 50u, 300u}) {
+    for (const uint32_t budget : {0u, 1u, 23u, 50u}) {
       Dispatching dispatching;
       if (budget > 0) dispatching.budget = budget;
       EXPECT_TRUE(sameBits(test::renderer().render(test::kernel(), settings, {}, dispatching).image, expected))
@@ -76,11 +76,11 @@ TEST_P(MixedScenes, DoNotDependOnListsOrInterruptions) {
 TEST_P(MixedScenes, OfMatteSurfacesDoNotDependOnInterruptions) {
   Scene scene = mixedScene(std::get<Kinds>(GetParam()), 240, 32);
   for (Material& material : scene.materials) material = closed_form::matte(glm::dvec3(0.3) + material.diffuse);
-  const RenderSettings settings = settingsOf(scene, 96, 72);
+  const RenderSettings settings = settingsOf(scene, 40, 30);
   const PackedScene packed = test::packed(scene, settings);
   EXPECT_FALSE(packed.features.nearestNodes || packed.features.shadowNodes) << "the lists hold nodes";
   const Image expected = renderShader(scene, settings);
-  for (const uint32_t budget : {1u, kLeastBudget + 1, 17u, 23u, 50u})
+  for (const uint32_t budget : {1u, 17u, 23u, 50u})
     EXPECT_TRUE(sameBits(renderShader(scene, settings, {.budget = budget}), expected)) << budget;
   test::renderer().upload(test::packed(scene, settings, TraversalStart::wholeTree));
   EXPECT_TRUE(sameBits(test::renderer().render(test::kernel(), settings).image, expected)) << "without lists";
@@ -88,7 +88,7 @@ TEST_P(MixedScenes, OfMatteSurfacesDoNotDependOnInterruptions) {
 
 TEST_P(MixedScenes, DoNotDependOnTheTree) {
   const Scene scene = mixedScene(std::get<Kinds>(GetParam()), 240, 33);
-  const RenderSettings settings = settingsOf(scene, 96, 72);
+  const RenderSettings settings = settingsOf(scene, 40, 30);
   const Image expected = renderShader(scene, settings);
   const PreparedGeometry prepared = prepareGeometry(roundScene(scene));
   test::renderer().upload(packScene(prepared, buildMedianBvh(prepared.boxes, prepared.typeStarts()), settings));
@@ -104,7 +104,6 @@ TEST_P(MixedScenes, AgreeWithTheReference) {
   const ReferencePicture bruteForce = renderReference(scene, settings, {}, ReferenceSearch::bruteForce);
   EXPECT_TRUE(sameBits(reference.image, bruteForce.image)) << "the reference's tree";
   const Comparison c = compareImages(renderShader(scene, settings), reference.image, 1e-3);
-  std::printf("bad pixels %g, p99 %g\n", c.badPixels, c.p99);
   EXPECT_EQ(c.nan + c.inf, 0u);
   EXPECT_LE(c.badPixels, 0.003);
   EXPECT_LE(c.p99, 1e-5);
@@ -136,9 +135,24 @@ TEST(Render, RodsAndBallsAgreeWithTheReference) {
   closed_form::addFloor(scene, -0.6, 6, 0);
   const RenderSettings settings = settingsOf(scene, 192, 144);
   const Comparison c = compareImages(renderShader(scene, settings), renderReference(scene, settings).image, 1e-3);
-  std::printf("bad pixels %g, p99 %g\n", c.badPixels, c.p99);
   EXPECT_LE(c.badPixels, 0.003);
   EXPECT_LE(c.p99, 1e-5);
+}
+
+// Rays across the axis exactly at a tip see it, shaded as the cone beside it. (Along the axis any normal of the tip is
+// right, and the two have different ones.)
+TEST(Render, TipsAreSeenAndShadedAlike) {
+  for (const double radius : {0.02, 0.5, 2.0, 50.0}) {
+    Scene scene;
+    scene.camera = {.eye = {0, 0, 5}, .target = {0, 0, 0}, .fov = 1};
+    scene.lights = {{.position = scene.camera.eye}};
+    scene.materials = {closed_form::matte({1, 1, 1})};
+    scene.cones = {{{0, -2, 0}, radius, {0, 0, 0}, 0, 0}};
+    const RenderSettings settings = settingsOf(scene, 1, 1);
+    const double cosine = 2 / std::hypot(radius, 2);
+    EXPECT_NEAR(renderShader(scene, settings).rgb[0], cosine, 2e-6) << radius;
+    EXPECT_NEAR(renderReference(scene, settings).image.rgb[0], cosine, 2e-6) << radius;
+  }
 }
 
 }  // namespace

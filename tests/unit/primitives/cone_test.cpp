@@ -194,11 +194,8 @@ TEST(Cone, PictureHoldsItsSurfaceTightly) {
   }
   EXPECT_GT(pictures, 150u);
   EXPECT_GT(behind, 50u);
-  RecordProperty("rect", std::to_string(ofRects / ofHulls));
-  RecordProperty("edges", std::to_string(ofEdges / ofHulls));
-  RecordProperty("boxes", std::to_string(ofBoxes / ofHulls));
-  std::printf("pictures %zu, behind %zu; area to the hull's: rectangle %.3f, with edges %.3f, box %.3f\n", pictures,
-              behind, ofRects / ofHulls, ofEdges / ofHulls, ofBoxes / ofHulls);
+  RecordProperty("areas", "to the hull's: rectangle " + std::to_string(ofRects / ofHulls) + ", with edges " +
+                              std::to_string(ofEdges / ofHulls) + ", box " + std::to_string(ofBoxes / ofHulls));
   EXPECT_LE(ofEdges / ofHulls, 1.15);
 }
 

@@ -249,7 +249,7 @@ TEST(SceneJsonFaults, ofConesAreToldInTheirPlaces) {
   EXPECT_EQ(faultOf("{" + ends + R"(,"base_radius":0,"apex_radius":0})"),
             "scene.json:2:10: error: cones[0]: both radii are 0; one of them must be greater");
   EXPECT_EQ(faultOf("{" + ends + R"(,"base_radius":1,"apex_radius":-1})"),
-            "scene.json:2:87: error: cones[0].apex_radius: found -1; must be a number from 0 to 1e30");
+            "scene.json:2:86: error: cones[0].apex_radius: found -1; must be a number from 0 to 1e30");
   EXPECT_EQ(faultOf(R"({"base":[1,2,3],"apex":[1,2,3],"material":"m","base_radius":1,"apex_radius":1})"),
             "scene.json:2:10: error: cones[0]: base and apex are the same point; a cone needs a length");
   EXPECT_TRUE(contains(faultOf("{" + ends + R"(,"base_radius":0,"apex_radius":1.01e5})"),
