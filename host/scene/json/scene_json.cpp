@@ -5,9 +5,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <future>
 #include <glm/geometric.hpp>
-#include <map>
 #include <optional>
 #include <unordered_map>
 #include <utility>
@@ -17,9 +15,9 @@
 #include "base/text_file.h"
 #include "scene/json/json_fields.h"
 #include "scene/json/json_tree.h"
+#include "scene/json/mesh_files.h"
 #include "scene/json/place_mesh.h"
 #include "scene/json/unit_box.h"
-#include "scene/obj/mesh_obj.h"
 
 namespace turner {
 
@@ -55,23 +53,17 @@ const char* findCameraFault(const Camera& camera) {
 class SceneReader {
  public:
   SceneReader(const std::string& path, std::string_view text, const JsonTree& tree, Diagnostics& faults)
-      : folder_(std::filesystem::path(path).parent_path()), fields_(tree, text, faults) {
+      : fields_(tree, text, faults), meshFiles_(std::filesystem::path(path).parent_path(), fields_) {
     // The file's name alone: what is written about a scene does not depend on the folder it lies in.
     parsed_.scene.sources.push_back({std::filesystem::path(path).filename().string(), sha256Hex(text)});
   }
 
   void read();
   // The faults of the meshes, each line with its place in the mesh's file.
-  const std::string& meshFaults() const { return meshFaults_; }
+  const std::string& meshFaults() const { return meshFiles_.faults(); }
   ParsedScene take() { return std::move(parsed_); }
 
  private:
-  struct MeshFile {
-    size_t placements = 0;  // that are still to come
-    bool isRead = false;
-    std::optional<Mesh> mesh;  // none before it is read, behind the last placement, and where the file has faults
-  };
-
   void readCamera(size_t at, const Field& field);
   void readLight(size_t at, const Field& field);
   void readFalloff(size_t at, const Field& field, Falloff& falloff);
@@ -82,18 +74,14 @@ class SceneReader {
   std::optional<TriangleCorners> readNormals(size_t at, const Field& field);
   void readMesh(size_t at, const Field& field);
   void readMaterialName(size_t at, const Field& field, uint32_t& material);
-  std::string meshPath(const std::string& file) const { return (folder_ / file).lexically_normal().string(); }
   void countPlacements(size_t meshes);
-  MeshFile* loadMesh(size_t at, const Field& field, const std::string& file);
 
-  std::filesystem::path folder_;
   JsonFields fields_;
   ParsedScene parsed_;
   Scene& scene_ = parsed_.scene;
   std::vector<std::string> materialNames_;
   std::unordered_map<std::string_view, uint32_t> materials_;
-  std::map<std::string, MeshFile> meshes_;  // by path
-  std::string meshFaults_;
+  MeshFiles meshFiles_;
 };
 
 void SceneReader::read() {
@@ -318,12 +306,12 @@ void SceneReader::countPlacements(size_t meshes) {
   for (size_t mesh = meshes + 1; mesh < fields_.node(meshes).next; mesh = fields_.node(mesh).next) {
     if (fields_.node(mesh).kind != JsonKind::object) continue;
     for (size_t key = mesh + 1; key < fields_.node(mesh).next; key = fields_.node(key + 1).next)
-      if (fields_.node(key).text == "file") ++meshes_[meshPath(std::string(fields_.node(key + 1).text))].placements;
+      if (fields_.node(key).text == "file") meshFiles_.expect(std::string(fields_.node(key + 1).text));
   }
 }
 
 void SceneReader::readMesh(size_t at, const Field& field) {
-  MeshFile* file = nullptr;
+  MeshFiles::File* file = nullptr;
   uint32_t material = 0;
   Placement placement;
   const auto vectorInto = [&](glm::dvec3& vector) {
@@ -334,7 +322,8 @@ void SceneReader::readMesh(size_t at, const Field& field) {
       {{"file", true,
         [&](size_t place, const Field& name) {
           std::string path;
-          if (fields_.readString(place, name, "the path of an .obj file", path)) file = loadMesh(place, name, path);
+          if (fields_.readString(place, name, "the path of an .obj file", path))
+            file = meshFiles_.open(place, name, path, scene_.sources);
         }},
        {"material", true, [&](size_t place, const Field& name) { readMaterialName(place, name, material); }},
        {"scale", false,
@@ -345,39 +334,7 @@ void SceneReader::readMesh(size_t at, const Field& field) {
   if (file->mesh && !placeMesh(*file->mesh, material, placement, kLargest, scene_)) {
     fields_.addMessage(at, field, "the mesh, scaled and moved, reaches beyond 1e30; its vertices must stay within");
   }
-  if (--file->placements == 0) file->mesh.reset();
-}
-
-SceneReader::MeshFile* SceneReader::loadMesh(size_t at, const Field& field, const std::string& file) {
-  if (lowerExtension(file) != ".obj" || file.find('\0') != std::string::npos) {
-    fields_.addFault(at, field, "the path of an .obj file");
-    return nullptr;
-  }
-
-  const std::string path = meshPath(file);
-  MeshFile& entry = meshes_[path];
-  if (std::exchange(entry.isRead, true)) return &entry;
-
-  std::string text;
-  try {
-    text = readRegularFile(path);
-  } catch (const InputError& error) {
-    // It says "PATH: error: REASON"; the place here is that of the name in the scene.
-    std::string reason = error.what();
-    if (const std::string prefix = path + ": error: "; reason.starts_with(prefix)) reason.erase(0, prefix.size());
-    fields_.addMessage(at, field, "found " + quote(file) + "; " + reason);
-    return &entry;
-  }
-  std::future<std::string> hash = std::async(sha256Hex, std::string_view(text));  // beside the parser, on another core
-  try {
-    entry.mesh = parseObj(path, text);
-  } catch (const InputError& error) {
-    if (!meshFaults_.empty()) meshFaults_ += '\n';
-    meshFaults_ += error.what();
-    return &entry;
-  }
-  scene_.sources.push_back({file, hash.get()});
-  return &entry;
+  file->placed();
 }
 
 }  // namespace
