@@ -428,7 +428,7 @@ TEST(KernelCheck, AConstantOfAnotherTypeIsRefused) {
       complaintAbout(edit),
       AllOf(StartsWith(placeOf(edit, "layout.h", "COUNTERS_ON = 0u")),
             HasSubstr("COUNTERS_ON is a uint with the constant_id of kSpecCounters, for which turner gives a bool"),
-            HasSubstr("take an id from 22 on for a constant of your own")));
+            HasSubstr("take an id from " + std::to_string(gpu::kSpecCount) + " on for a constant of your own")));
 }
 
 TEST(KernelCheck, SwappedConstantsAreRefused) {
