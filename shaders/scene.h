@@ -67,8 +67,8 @@ NearSphere nearSphereAt(const uint word) {
 #endif
 
 // An open truncated cone. Its anchor is the end of the lesser radius. In long double by the host, then rounded once:
-// base = radius there times the cosine of alpha, slope = sin(alpha), where alpha is half the angle at the tip. So what is
-// nearly a disc is as well scaled as a cylinder.
+// base = radius there times the cosine of alpha, slope = sin(alpha), where alpha is half the angle at the tip. So what
+// is nearly a disc is as well scaled as a cylinder.
 struct Cone {
   vec3 anchor;
   float base;
@@ -82,7 +82,7 @@ struct Cone {
   float squaredCosine;
 };
 TURNER_CONST kConeUnits = 2u;
-TURNER_CONST kRefCone = 0x08000000u;      // in references, where spheres have 0
+TURNER_CONST kRefCone = 0x08000000u;     // in references, where spheres have 0
 TURNER_CONST kFarCone = 0x40000000u;     // many radii away from the eye: it takes the extra digits
 TURNER_CONST kConeInward = 0x80000000u;  // the surface faces the axis
 #ifndef __cplusplus

@@ -115,8 +115,7 @@ void measureReference(const Cone& cone, double away, size_t rays, Random& random
   std::vector<ConeErrors> judged(rays);
   forAll(rays, [&](size_t i) {
     const dvec3 origin(made[i].origin), direction = glm::normalize(dvec3(made[i].direction));
-    const double t =
-        reference::intersect(reference::makeRay(origin, direction, reference::kNoPrimitive), cone, false);
+    const double t = reference::intersect(reference::makeRay(origin, direction, reference::kNoPrimitive), cone, false);
     const double unit = 0x1p-53 * oracle.scaleFrom(origin);
     judged[i] = judgeDistance(oracle, origin, direction, t < reference::kFarAway ? t : INFINITY, {unit, unit});
   });
