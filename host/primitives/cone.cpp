@@ -42,11 +42,12 @@ double widest(const Cone& cone) {
 }  // namespace
 
 bool isTooFlat(const Cone& cone) {
-  return std::abs(cone.apexRadius - cone.baseRadius) > kFlattestCone * glm::length(cone.apex - cone.base);
+  const Axis axis = axisOf(cone);
+  return axis.growth > kFlattestCone * axis.length;
 }
 
 Bounds boundsOf(const Cone& cone) {
-  const glm::dvec3 way = glm::normalize(cone.apex - cone.base);
+  const glm::dvec3 way(axisOf(cone).direction);
   Bounds bounds;
   for (const auto& [center, radius] : {std::pair(cone.base, cone.baseRadius), {cone.apex, cone.apexRadius}}) {
     glm::dvec3 reach(0);
@@ -64,8 +65,13 @@ Cone toLocal(const Cone& world, const LocalFrame& frame) {
   local.apexRadius = rounded(world.apexRadius * frame.scale);
   local.base = toLocal(world.base, frame);
   local.apex = toLocal(world.apex, frame);
-  const glm::dvec3 way = (world.apex - world.base) * frame.scale;
+  glm::dvec3 way = (world.apex - world.base) * frame.scale;
   if (widest(local) <= glm::length(way) && local.base != local.apex) return local;
+  // So short that a double beside the anchor would lose it: nobody sees how long it is, but it needs an axis.
+  const glm::dvec3 reach = glm::abs(isAnchoredAtApex(local) ? local.apex : local.base);
+  const double least = std::max({0x1p-44 * std::max({reach.x, reach.y, reach.z}), 0x1p-44 * widest(local), 1e-30});
+  if (glm::length(way) < least)
+    way = glm::dvec3(axisOf(world).direction * (long double)(least)) * (isAnchoredAtApex(world) ? -1.0 : 1.0);
   if (isAnchoredAtApex(local))
     local.base = local.apex - way;
   else

@@ -265,6 +265,23 @@ TEST(Cone, PackedFromTheLesserRadius) {
   EXPECT_EQ(packed(Cone{{0, 0, 1}, 1e-4, {0, 0, 2}, 0, 5}, 0).material, 5u | gpu::kFarCone);
 }
 
+// Shorter than a double beside it can tell, or than its square can be: seen as nothing, and still with an axis.
+TEST(Cone, KeepsAnAxisHoweverShort) {
+  const LocalFrame frame{{0, 1, 4}, 0.25};
+  for (const double length : {1e-14, 1e-17, 1e-200, 1e-310})
+    for (const auto& [base, apex] : {std::pair(0.5, 0.5), {1e4 * length, 1e4 * length}, {0.0, length}, {length, 0.0}}) {
+      const Cone world{{0, 0, 0}, base, {0, 0, length}, apex};
+      EXPECT_FALSE(isTooFlat(world));
+      EXPECT_TRUE(std::isfinite(boundsOf(world).lo.x + boundsOf(world).hi.z));
+      const Cone local = toLocal(world, frame);
+      EXPECT_GT(local.apex.z, local.base.z) << length;
+      EXPECT_LT(local.apex.z - local.base.z, 1e-12);
+      const gpu::Cone form = packed(local, 0);
+      EXPECT_EQ(std::abs(form.axis.z), 1);
+      EXPECT_TRUE(std::isfinite(form.base + form.span + form.reach + form.slope + form.squaredCosine));
+    }
+}
+
 TEST(Cone, IsFarBeyondManyRadii) {
   const auto isFar = [](double radius, double from, double to) {
     return isFarFromEye(Cone{{0, 0, from}, radius, {0, 0, to}, 0.5 * radius, 0});
