@@ -81,14 +81,8 @@ Footprint footprintOf(const Scene& scene, const TrianglePair& pair) {
   return {gpu::kRefTriangle, gpu::kPairUnits, isSmooth ? (pair.isAlone() ? 1u : 2u) : 0u};
 }
 
-Footprint footprintOf(const PreparedGeometry& prepared, size_t element) {
-  return prepared.visitElement(element, [&](const auto& e) { return footprintOf(prepared.scene, e); });
-}
-
 // Throws where the kernel's numbers have no room for the scene.
-void checkLimits(const PreparedGeometry& prepared, int treeDepth) {
-  uint64_t units = 0;
-  for (size_t element = 0; element < prepared.elementCount(); ++element) units += footprintOf(prepared, element).units;
+void checkLimits(const PreparedGeometry& prepared, uint64_t units, int treeDepth) {
   if (units > gpu::kMaxUnits)
     throw InputError(
         "the scene has more primitives than the kernel can number: " + std::to_string(prepared.scene.primitiveCount()) +
@@ -107,9 +101,10 @@ void checkLimits(const PreparedGeometry& prepared, int treeDepth) {
 
 // Where the elements go, in the order of the leaves.
 struct Placement {
-  std::vector<uint> references;       // type and offset of each
-  std::vector<uint> normals;          // offset of its vertex normals
-  uint units = 0, vertexNormals = 0;  // of all
+  std::vector<uint> references;  // type and offset of each
+  std::vector<uint> normals;     // offset of its vertex normals
+  uint64_t units = 0;            // of all; more than kMaxUnits: the references are no use
+  uint vertexNormals = 0;
 };
 
 Placement placeElements(const PreparedGeometry& prepared, const Bvh& bvh) {
@@ -117,8 +112,9 @@ Placement placeElements(const PreparedGeometry& prepared, const Bvh& bvh) {
   reservePrefaulted(placement.references, bvh.order.size());
   reservePrefaulted(placement.normals, bvh.order.size());
   for (const uint element : bvh.order) {
-    const Footprint footprint = footprintOf(prepared, element);
-    placement.references.push_back(footprint.type | placement.units);
+    const Footprint footprint =
+        prepared.visitElement(element, [&](const auto& e) { return footprintOf(prepared.scene, e); });
+    placement.references.push_back(footprint.type | uint(placement.units));
     placement.normals.push_back(placement.vertexNormals);
     placement.units += footprint.units;
     placement.vertexNormals += footprint.vertexNormals;
@@ -290,7 +286,8 @@ size_t PackedScene::bytes() const {
 
 PackedScene packScene(const PreparedGeometry& prepared, const Bvh& bvh, const RenderSettings& settings,
                       TraversalStart start) {
-  checkLimits(prepared, bvh.depth);
+  const Placement placement = placeElements(prepared, bvh);
+  checkLimits(prepared, placement.units, bvh.depth);
   const Scene& local = prepared.scene;
   PackedScene packed;
   packed.features = featuresOf(local);
@@ -305,7 +302,6 @@ PackedScene packScene(const PreparedGeometry& prepared, const Bvh& bvh, const Re
   packed.primitiveCount = local.primitiveCount();
 
   const std::vector<uint> nearSpheres = findNearSpheres(local);
-  const Placement placement = placeElements(prepared, bvh);
   ElementPacker(prepared, bvh, placement, nearSpheres, packed).pack();
   packTree(bvh, placement.references, packed);
   packMaterials(prepared, nearSpheres, packed);

@@ -1,5 +1,5 @@
-// In: the text of an NFF file. Out: its scene. One function for each entity; an entity that
-// is wrong is reported, and the parser goes on behind it.
+// In: the text of an NFF file. Out: its scene. One function for each entity; an entity that is wrong is reported, and
+// the parser goes on behind it.
 #include "scene/nff/scene_nff.h"
 
 #include <algorithm>
