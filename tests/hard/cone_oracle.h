@@ -13,6 +13,19 @@
 
 namespace turner::hard {
 
+// Where a function is least that falls and then rises between two places.
+template <class Function>
+long double leastBetween(long double from, long double to, const Function& function) {
+  for (int i = 0; i < 60; ++i) {
+    const long double third = (to - from) / 3, a = from + third, b = to - third;
+    if (function(a) < function(b))
+      to = b;
+    else
+      from = a;
+  }
+  return from;
+}
+
 inline constexpr double kUnit = 0x1p-24;  // a rounding of float32
 
 inline Wide3 operator+(const Wide3& a, const Wide3& b) {
@@ -138,13 +151,7 @@ class ConeOracle {
     for (int i = -kSteps; i <= kSteps; ++i)
       if (distanceAt(t + i * step) < distanceAt(best)) best = t + i * step;
     long double from = best - step, to = best + step;
-    for (int i = 0; i < 60; ++i) {
-      const long double third = (to - from) / 3, a = from + third, b = to - third;
-      if (distanceAt(a) < distanceAt(b))
-        to = b;
-      else
-        from = a;
-    }
+    from = leastBetween(from, to, distanceAt);
     return distanceAt(from);
   }
 
@@ -184,13 +191,7 @@ class ConeOracle {
       to = std::min(to, hi);
     }
     if (!(from < to)) return 0;
-    for (int i = 0; i < 60; ++i) {
-      const long double third = (to - from) / 3, a = from + third, b = to - third;
-      if (above(a) < above(b))
-        to = b;
-      else
-        from = a;
-    }
+    from = leastBetween(from, to, above);
     return double(std::max(0.0L, -above(from)) * long_.length / std::hypot(long_.length, long_.growth));
   }
 

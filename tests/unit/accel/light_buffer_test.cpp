@@ -18,6 +18,7 @@
 #include <utility>
 
 #include "gpu/pack_scene.h"
+#include "support/random_numbers.h"
 
 namespace turner {
 namespace {
@@ -26,13 +27,7 @@ using glm::dvec3;
 using gpu::uint;
 using gpu::Word4;
 
-struct RandomNumbers {
-  std::mt19937_64 engine;
-  double between(double a, double b) { return std::uniform_real_distribution<double>(a, b)(engine); }
-  double size(double a, double b) { return std::exp(between(std::log(a), std::log(b))); }
-  dvec3 point(double reach) { return {between(-reach, reach), between(-reach, reach), between(-reach, reach)}; }
-  size_t index(size_t count) { return size_t(engine() % count); }
-};
+using test::RandomNumbers;
 
 dvec3 toFloat(const dvec3& v) {
   return {double(float(v.x)), double(float(v.y)), double(float(v.z))};

@@ -15,6 +15,7 @@
 
 #include "geometry/prepared_geometry.h"
 #include "layout.h"
+#include "support/random_numbers.h"
 
 namespace turner {
 namespace {
@@ -22,12 +23,7 @@ namespace {
 using glm::dvec3;
 using glm::vec3;
 
-struct RandomNumbers {
-  std::mt19937_64 engine;
-  double between(double a, double b) { return std::uniform_real_distribution<double>(a, b)(engine); }
-  double size(double a, double b) { return std::exp(between(std::log(a), std::log(b))); }
-  dvec3 point(double reach) { return {between(-reach, reach), between(-reach, reach), between(-reach, reach)}; }
-};
+using test::RandomNumbers;
 
 // Thin, flat, with tips, cylinders, some along an axis of the frame.
 Cone randomCone(RandomNumbers& random, double reach) {
