@@ -1,16 +1,16 @@
 #!/bin/sh
-# Installs what is missing, builds, runs all tests on lavapipe under the Vulkan validation layers; but for those that
-# measure time, which want a machine that does nothing else: `tests/run.sh timing` runs these, one after the other.
-# usage: tests/run.sh [timing] [arguments of ctest]      TURNER_PRESET=debug|sanitize tests/run.sh: another build
+# Installs what is missing, builds, runs all tests on lavapipe under the Vulkan validation layers; but for two groups:
+# `tests/run.sh timing` runs those that measure time, one after the other, on a machine that should do nothing else;
+# `tests/run.sh long` those that take some five minutes each and guard figures that seldom move.
+# usage: tests/run.sh [timing|long] [arguments of ctest]    TURNER_PRESET=debug|sanitize tests/run.sh: another build
 set -eu
 cd "$(dirname "$0")/.."
 
-if [ "${1-}" = timing ]; then
-  shift
-  set -- --label-regex timing --parallel 1 "$@"
-else
-  set -- --label-exclude timing --parallel "$(nproc)" "$@"
-fi
+case "${1-}" in
+  timing) shift; set -- --label-regex '^timing$' --parallel 1 "$@" ;;
+  long) shift; set -- --label-regex '^long$' --parallel "$(nproc)" "$@" ;;
+  *) set -- --label-exclude '^(timing|long)$' --parallel "$(nproc)" "$@" ;;
+esac
 preset=${TURNER_PRESET:-release}
 # The report's page is tested in a browser.
 cmake/setup.sh chromium chromium-driver python3-selenium fonts-dejavu-core

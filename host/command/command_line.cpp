@@ -212,6 +212,7 @@ void addReport(CLI::App& app, ReportOptions& options) {
   addInteger(*command, "--height", options.height, 1, kMaxSize, "Height of the pictures in pixels");
   addInteger(*command, "--depth", options.depth, 1, kMaxDepth,
              "Levels of the ray tree, the most that is measured (default: the scene's)");
+  command->add_flag("--no-cut-offs", options.noCutOffs, "Leave out smaller depths and least weights");
   addText(*command, "--crop", options.crop, "x0,y0,x1,y1", "Measure only the pixels x0 <= x < x1, y0 <= y < y1");
   addText(*command, "--device", options.device, "N|NAME",
           "Measure on this Vulkan device and the reference only (default: on all)");

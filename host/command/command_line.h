@@ -53,7 +53,7 @@ struct WatchOptions {
 struct ReportOptions {
   std::vector<std::string> scenes;
   std::string output = "report";  // a folder
-  bool quick = false, full = false;
+  bool quick = false, full = false, noCutOffs = false;
   std::optional<int> maxSamples, repeats;
   std::optional<int> width, height, depth;
   std::string device, crop, shaders;

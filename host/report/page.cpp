@@ -132,8 +132,8 @@ class Page {
     const bool any = std::any_of(scene.points.begin(), scene.points.end(),
                                  [&](const SweepPoint& p) { return p.setting != uncut(p.setting, scene.whole); });
     if (!any) {
-      add("<p class='note'>--depth and --min-weight change nothing here: no material reflects or transmits, or the "
-          "depth is 1.</p>\n");
+      add("<p class='note'>--depth and --min-weight were not measured: no material reflects or transmits, the depth is "
+          "1, or --no-cut-offs was given.</p>\n");
       return;
     }
     add("<h3>What --depth and --min-weight cut off</h3>\n<p class='note'>Against the same samples at depth {} without "

@@ -18,7 +18,7 @@ constexpr int kSamplesOfCutOffs = 4;
 
 }  // namespace
 
-std::vector<Setting> planSweep(const Scene& scene, const RenderSettings& whole, int maxSamples) {
+std::vector<Setting> planSweep(const Scene& scene, const RenderSettings& whole, int maxSamples, CutOffs cutOffs) {
   std::vector<Setting> settings;
   std::vector<int> numbers;
   std::copy_if(std::begin(kSamples), std::end(kSamples), std::back_inserter(numbers),
@@ -29,7 +29,7 @@ std::vector<Setting> planSweep(const Scene& scene, const RenderSettings& whole, 
       settings.push_back({sampler, samples, whole.depth, 0});
   const bool spawns = std::any_of(scene.materials.begin(), scene.materials.end(),
                                   [](const Material& m) { return m.reflect > 0 || m.transmit > 0; });
-  if (spawns && whole.depth > 1) {
+  if (cutOffs == CutOffs::measured && spawns && whole.depth > 1) {
     const int samples = std::min(kSamplesOfCutOffs, maxSamples);
     for (const int depth : kDepths)
       if (depth < whole.depth) settings.push_back({Sampler::sobol, samples, depth, 0});

@@ -18,10 +18,12 @@ struct Setting {
   bool operator==(const Setting&) const = default;
 };
 
+enum class CutOffs { measured, leftOut };
+
 // The options that `whole` leaves open: every sampler with numbers of samples up to maxSamples, this one too, and,
-// where a material of the scene reflects or transmits, smaller depths and larger least weights at one number of
-// samples. In the order of the number of samples, the cheapest first; each setting once.
-std::vector<Setting> planSweep(const Scene& scene, const RenderSettings& whole, int maxSamples);
+// where a material of the scene reflects or transmits and cut-offs are measured, smaller depths and larger least
+// weights at one number of samples. In the order of the number of samples, the cheapest first; each setting once.
+std::vector<Setting> planSweep(const Scene& scene, const RenderSettings& whole, int maxSamples, CutOffs cutOffs);
 
 // The setting that a cut-off is compared with: the same samples, at the whole depth and without a least weight.
 Setting uncut(const Setting& setting, const RenderSettings& whole);

@@ -20,12 +20,15 @@ class Slopes(InFolder):
         "cliff_hanger": ("scenes/cliff_hanger.json", 240, "56,3,184,131", 6),
     }
 
+    def sweep(self, file, width, crop, most, *more, out="out"):
+        return self.measure(ROOT / file, "--width", str(width), "--crop", crop, "--max-samples", str(most), "--repeats", "1",
+                            "--no-cut-offs", *more, out=out)
+
     def check(self, name):
         file, width, crop, most = self.SCENES[name]
         result = RESULTS / f"{name}.json"
         result.unlink(missing_ok=True)
-        report = self.measure(ROOT / file, "--width", str(width), "--crop", crop, "--max-samples", str(most),
-                              "--repeats", "1", out=name)
+        report = self.sweep(file, width, crop, most, out=name)
         scene = report["scenes"][0]
         self.assertTrue(scene["converged"]["converged"])
         jitter, sobol = curve(scene, "jitter"), curve(scene, "sobol")
@@ -59,8 +62,7 @@ class Slopes(InFolder):
         shaders = self.shaders_with("sampling.glsl", "  if (SAMPLER == kSobol) {",
                                     "  if (SAMPLER == kJitter) return offset;\n  if (SAMPLER == kSobol) {")
         file, width, crop, most = self.SCENES["spheres"]
-        report = self.measure(ROOT / file, "--width", str(width), "--crop", crop, "--max-samples", str(most), "--repeats",
-                              "1", "--shaders", shaders)
+        report = self.sweep(file, width, crop, most, "--shaders", shaders)
         slope = curve(report["scenes"][0], "jitter")["slope"]
         print(f"random samples: slope {slope:.3f}")
         self.assertAlmostEqual(slope, -0.5, delta=0.07)

@@ -51,6 +51,7 @@ Machine thisMachine(const ReportOptions& options, int repeats) {
   add("--width", options.width);
   add("--height", options.height);
   add("--depth", options.depth);
+  if (options.noCutOffs) machine.command += " --no-cut-offs";
   if (!options.crop.empty()) machine.command += " --crop " + options.crop;
   if (!options.device.empty()) machine.command += " --device " + shellWord(options.device);
   if (!options.shaders.empty()) machine.command += " --shaders " + shellWord(options.shaders);

@@ -123,6 +123,7 @@ ReportPlan planFor(const ReportOptions& options) {
     if (name.empty()) throw InputError("the name of a scene is empty");
     plan.scenes.push_back(loadScene(findScene(name)));
   }
+  const CutOffs cutOffs = options.noCutOffs ? CutOffs::leftOut : CutOffs::measured;
   const int maxSamples = options.maxSamples.value_or(options.full ? kFullSamples : kQuickSamples);
   plan.repeats = options.repeats.value_or(options.full ? kFullRepeats : kQuickRepeats);
   plan.devices = devicesFor(options);
@@ -132,7 +133,7 @@ ReportPlan planFor(const ReportOptions& options) {
     const RenderSettings whole = wholeOf(scene, options);
     const std::string stem = wordOf(fs::path(options.scenes[i]).stem().string());
     plan.sweeps.push_back({scene, validUtf8(options.scenes[i]), stem, fmt::format("{}-{}-", i + 1, stem), whole,
-                           planSweep(scene, whole, maxSamples), plan.repeats});
+                           planSweep(scene, whole, maxSamples, cutOffs), plan.repeats});
   }
   // Who renders does not depend on what.
   for (const auto& renderer : openRenderers({}, plan.devices, plan.shaders)) plan.renderers.push_back(renderer->info);

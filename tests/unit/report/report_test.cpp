@@ -51,10 +51,10 @@ std::vector<std::string> names(const std::vector<Setting>& settings, const Rende
 
 TEST(Sweep, HasEverySamplerWithEveryNumberOfSamples) {
   const RenderSettings whole = depthOf(5);
-  EXPECT_THAT(names(planSweep(sceneWith(0), whole, 2), whole),
+  EXPECT_THAT(names(planSweep(sceneWith(0), whole, 2, CutOffs::measured), whole),
               ElementsAre("grid-1x1", "jitter-1x1", "sobol-1x1", "grid-2x2", "jitter-2x2", "sobol-2x2"));
   // The number that was asked for is measured, whatever it is.
-  const std::vector<Setting> five = planSweep(sceneWith(0), whole, 5);
+  const std::vector<Setting> five = planSweep(sceneWith(0), whole, 5, CutOffs::measured);
   EXPECT_EQ(five.back().samples, 5);
   EXPECT_EQ(five[five.size() - 4].samples, 4);
 }
@@ -62,10 +62,11 @@ TEST(Sweep, HasEverySamplerWithEveryNumberOfSamples) {
 TEST(Sweep, CutsOffOnlyWhereASceneSpawnsRays) {
   const RenderSettings whole = depthOf(3);
   EXPECT_THAT(
-      names(planSweep(sceneWith(0.5), whole, 1), whole),
+      names(planSweep(sceneWith(0.5), whole, 1, CutOffs::measured), whole),
       ElementsAre("grid-1x1", "jitter-1x1", "sobol-1x1", "sobol-1x1-depth1", "sobol-1x1-depth2", "sobol-1x1-weight0.3",
                   "sobol-1x1-weight0.1", "sobol-1x1-weight0.03", "sobol-1x1-weight0.01"));
-  EXPECT_EQ(planSweep(sceneWith(0.5), depthOf(1), 1).size(), 3u);
+  EXPECT_EQ(planSweep(sceneWith(0.5), depthOf(1), 1, CutOffs::measured).size(), 3u);
+  EXPECT_EQ(planSweep(sceneWith(0.5), whole, 1, CutOffs::leftOut).size(), 3u);
 }
 
 // ---- figures ----
