@@ -20,7 +20,8 @@ namespace {
 std::vector<Case> allCases() {
   std::vector<Case> all;
   for (const auto& part : {sphereCases(), triangleCases(), treeCases(), lightCases(), refractionCases(), solidCases(),
-                           mirrorCases(), shadingCases(), coneCases(), coneSurfaceCases(), coneJointCases()})
+                           mirrorCases(), shadingCases(), badInputCases(), invarianceCases(), determinismCases(),
+                           coneCases(), coneSurfaceCases(), coneJointCases()})
     all.insert(all.end(), part.begin(), part.end());
   std::sort(all.begin(), all.end(), [](const Case& a, const Case& b) { return a.number < b.number; });
   return all;

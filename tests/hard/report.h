@@ -1,11 +1,17 @@
 // What the hard cases measure, and the table that is made of it.
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace turner::hard {
+
+// The larger of two errors; a NaN stays.
+inline double worse(double a, double b) {
+  return a >= b || std::isnan(a) ? a : b;
+}
 
 // One measured figure. It passes if it is at most its bar.
 struct Figure {
