@@ -2,7 +2,6 @@
 #include "gpu/vulkan_device.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -10,6 +9,7 @@
 
 #include "base/errors.h"
 #include "base/reserve.h"
+#include "base/stopwatch.h"
 #include "gpu/instance.h"
 
 namespace turner {
@@ -179,7 +179,7 @@ double Device::run(const std::function<void(vk::raii::CommandBuffer&)>& record) 
   commands.end();
 
   const vk::raii::Fence fence(*device_, vk::FenceCreateInfo());
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   try {
     queue_->submit(vk::SubmitInfo({}, {}, *commands), *fence);
     if (device_->waitForFences(*fence, true, kFenceTimeout) != vk::Result::eSuccess) {
@@ -191,13 +191,13 @@ double Device::run(const std::function<void(vk::raii::CommandBuffer&)>& record) 
   } catch (const vk::DeviceLostError&) {
     throw RunError("the device " + info_.name + " was lost during a dispatch");
   }
-  const std::chrono::duration<double> waited = std::chrono::steady_clock::now() - start;
+  const double waited = watch.seconds();
   throwIfInvalid();
-  if (!timestamps_) return waited.count();
+  if (!timestamps_) return waited;
 
   const auto [result, ticks] = timestamps_->getResults<uint64_t>(
       0, 2, 2 * sizeof(uint64_t), sizeof(uint64_t), vk::QueryResultFlagBits::e64 | vk::QueryResultFlagBits::eWait);
-  if (result != vk::Result::eSuccess) return waited.count();
+  if (result != vk::Result::eSuccess) return waited;
   const uint64_t mask = timestampBits_ >= 64 ? ~uint64_t(0) : (uint64_t(1) << timestampBits_) - 1;
   return double((ticks[1] - ticks[0]) & mask) * double(limits_.timestampPeriod) * 1e-9;
 }

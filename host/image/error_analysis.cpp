@@ -5,9 +5,9 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <vector>
 
+#include "base/stopwatch.h"
 #include "scene/scene.h"
 
 namespace turner {
@@ -40,8 +40,7 @@ class MeanPicture {
 
 SamplingError measureSampling(const Image& picture, const RenderSettings& settings, const RenderPicture& render,
                               double threshold, const ConvergenceBounds& bounds) {
-  using Clock = std::chrono::steady_clock;
-  const Clock::time_point start = Clock::now();
+  const Stopwatch watch;
   RenderSettings finer = settings;
   finer.sampler = Sampler::jitter;
   finer.samples = std::min(kFinerGrid * settings.samples, kMaxSamples);
@@ -63,8 +62,7 @@ SamplingError measureSampling(const Image& picture, const RenderSettings& settin
     double& rmse = error.figures.rmse;
     rmse = withoutOwnError(rmse, error.ownError);
     error.converged = error.ownError <= kConverged * rmse;
-    const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
-    if (error.converged || rounds + 2 > bounds.rounds || seconds > bounds.seconds) return error;
+    if (error.converged || rounds + 2 > bounds.rounds || watch.seconds() > bounds.seconds) return error;
   }
 }
 

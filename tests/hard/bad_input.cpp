@@ -1,7 +1,6 @@
 // Bad input: nothing is believed blindly, and a refusal names its place.
 #include <fmt/format.h>
 
-#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -10,6 +9,7 @@
 #include <sstream>
 
 #include "base/errors.h"
+#include "base/stopwatch.h"
 #include "base/text_file.h"
 #include "hard/cases.h"
 #include "hard/pictures.h"
@@ -46,7 +46,7 @@ struct Loaded {
 
 Loaded load(const std::string& path) {
   Loaded loaded;
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   try {
     loaded.scene = loadScene(path);
   } catch (const InputError& error) {
@@ -55,7 +55,7 @@ Loaded load(const std::string& path) {
     loaded.refusal = error.what();
     loaded.otherException = true;
   }
-  loaded.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  loaded.seconds = watch.seconds();
   return loaded;
 }
 
