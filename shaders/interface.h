@@ -3,7 +3,7 @@
 // clang-format off
 //
 //   TURNER_CONSTANT(Name, id, type, NAME, value)         what settings and device decide; value: where none is given
-//   TURNER_FEATURE(Name, id, type, NAME, value, member)  what a scene needs; member: of Features (host/kernel/features.h)
+//   TURNER_FEATURE(Name, id, type, NAME, value, member)  what a scene needs; member: of Features (host/primitives/features.h)
 //   TURNER_BLOCK(Name, id, access, Type, variable, extent, what)   a storage buffer with a block of Type
 //   TURNER_ARRAY(Name, id, variable, what)               a part of the scene, in words of 16 bytes (buffer_access.glsl)
 //

@@ -25,24 +25,14 @@ using gpu::Word4;
 Features featuresOf(const Scene& scene) {
   Features features;
   features.lights = uint32_t(scene.lights.size());
-  features.spheres = !scene.spheres.empty();
-  features.triangles = !scene.triangles.empty();
-  for (const Sphere& sphere : scene.spheres) {
-    features.nearSpheres |= isNearEye(sphere);
-    features.farSpheres |= isFarFromEye(sphere);
-  }
-  features.cones = !scene.cones.empty();
-  for (const Cone& cone : scene.cones) {
-    features.slopedCones |= slopeOf(cone) != 0;
-    features.steepCones |= slopeOf(cone) > 0.7071;
-    features.farCones |= isFarFromEye(cone);
-  }
-  for (const Triangle& triangle : scene.triangles) features.smoothNormals |= triangle.isSmooth();
   for (const Light& light : scene.lights) features.falloff |= light.falloff != Falloff::none;
 
   std::vector<bool> used(scene.materials.size());
   Scene::visitPrimitives(scene, [&](const char*, const auto& primitives) {
-    for (const auto& primitive : primitives) used[primitive.material] = true;
+    for (const auto& primitive : primitives) {
+      addFeatures(primitive, features);
+      used[primitive.material] = true;
+    }
   });
   for (size_t i = 0; i < used.size(); ++i) {
     if (!used[i]) continue;
@@ -66,6 +56,12 @@ gpu::uvec4 mediaAroundEye(const PreparedGeometry& prepared) {
   return std::bit_cast<gpu::uvec4>(words);
 }
 
+// Units of the element that holds such a primitive; triangles stand in pairs.
+template <class Primitive>
+constexpr uint kUnitsOf = sizeof(packed(Primitive(), 0)) / (gpu::kUnitWords * sizeof(Word4));
+template <>
+constexpr uint kUnitsOf<Triangle> = gpu::kPairUnits;
+
 // What an element takes of the packed scene.
 struct Footprint {
   uint type;  // bits of a reference
@@ -74,11 +70,23 @@ struct Footprint {
 };
 template <class Primitive>
 Footprint footprintOf(const Scene&, const Primitive& primitive) {
-  return {referenceType(primitive), uint(sizeof(packed(primitive, 0)) / (gpu::kUnitWords * sizeof(Word4)))};
+  return {referenceType(primitive), kUnitsOf<Primitive>};
 }
 Footprint footprintOf(const Scene& scene, const TrianglePair& pair) {
   const bool isSmooth = scene.triangles[pair.first].isSmooth();
   return {gpu::kRefTriangle, gpu::kPairUnits, isSmooth ? (pair.isAlone() ? 1u : 2u) : 0u};
+}
+
+// As "8 spheres, 4 cones or 2 triangles": of which scenes there is room.
+std::string mostOfEach() {
+  std::vector<std::string> most;
+  const Scene none;
+  Scene::visitPrimitives(none, [&]<class Primitive>(const char* type, const std::vector<Primitive>&) {
+    most.push_back(std::to_string(gpu::kMaxUnits / kUnitsOf<Primitive>) + ' ' + type);
+  });
+  std::string text = most.front();
+  for (size_t i = 1; i < most.size(); ++i) text += (i + 1 < most.size() ? ", " : " or ") + most[i];
+  return text;
 }
 
 // Throws where the kernel's numbers have no room for the scene.
@@ -86,9 +94,7 @@ void checkLimits(const PreparedGeometry& prepared, uint64_t units, int treeDepth
   if (units > gpu::kMaxUnits)
     throw InputError(
         "the scene has more primitives than the kernel can number: " + std::to_string(prepared.scene.primitiveCount()) +
-        "; it takes " + std::to_string(gpu::kMaxUnits / gpu::kSphereUnits) + " spheres, " +
-        std::to_string(gpu::kMaxUnits / gpu::kConeUnits) + " cones or " +
-        std::to_string(gpu::kMaxUnits / gpu::kPairUnits) + " triangles, twice as many where all are in pairs");
+        "; it takes " + mostOfEach() + ", twice as many triangles where all are in pairs");
   if (treeDepth > int(gpu::kMaxTreeDepth))
     throw RunError("the tree is " + std::to_string(treeDepth) + " nodes deep, more than the kernel's stack holds");
 

@@ -7,8 +7,8 @@
 
 #include "accel/light_buffer.h"
 #include "image/settings.h"
-#include "kernel/features.h"
 #include "layout.h"
+#include "primitives/features.h"
 #include "scene/scene.h"
 
 namespace turner {

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "primitives/cube_face.h"
+#include "primitives/features.h"
 #include "primitives/words.h"
 
 namespace turner {
@@ -91,6 +92,14 @@ bool isFarFromEye(const Cone& local) {
 double slopeOf(const Cone& local) {
   const Axis axis = axisOf(local);
   return double(axis.growth / axis.slant());
+}
+
+void addFeatures(const Cone& local, Features& features) {
+  const double slope = slopeOf(local);
+  features.cones = true;
+  features.slopedCones |= slope != 0;
+  features.steepCones |= slope > 0.7071;
+  features.farCones |= isFarFromEye(local);
 }
 
 uint32_t referenceType(const Cone&) {

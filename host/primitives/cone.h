@@ -11,6 +11,8 @@
 
 namespace turner {
 
+struct Features;
+
 namespace gpu {
 struct Cone;
 }  // namespace gpu
@@ -51,6 +53,9 @@ double slopeOf(const Cone& local);
 
 uint32_t referenceType(const Cone&);  // type bits of a reference of the kernel
 gpu::Cone packed(const Cone& local, uint32_t rank);
+
+// Notes what such a primitive needs of the kernel.
+void addFeatures(const Cone& local, Features& features);
 
 // From its padded box to its own picture on the face: narrows the projection, and bounds it by edges. Both stay as they
 // are where part of the cone lies behind the point.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "primitives/features.h"
 #include "primitives/words.h"
 
 namespace turner {
@@ -54,6 +55,12 @@ bool isNearEye(const Sphere& local) {
 bool isFarFromEye(const Sphere& local) {
   // A ray passes within |center| 2^-24 of where it should: here within 2^-14 of the radius.
   return glm::length(local.center) > 1024 * std::abs(local.radius);
+}
+
+void addFeatures(const Sphere& local, Features& features) {
+  features.spheres = true;
+  features.nearSpheres |= isNearEye(local);
+  features.farSpheres |= isFarFromEye(local);
 }
 
 uint32_t referenceType(const Sphere&) {

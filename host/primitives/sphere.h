@@ -10,6 +10,8 @@
 
 namespace turner {
 
+struct Features;
+
 namespace gpu {
 struct Sphere;
 struct NearSphere;
@@ -43,6 +45,9 @@ bool isNearEye(const Sphere& local);
 
 uint32_t referenceType(const Sphere&);  // type bits of a reference of the kernel
 gpu::Sphere packed(const Sphere& local, uint32_t rank);
+
+// Notes what such a primitive needs of the kernel.
+void addFeatures(const Sphere& local, Features& features);
 
 // The same of one that the eye is near; its NearSphere is at this word among the materials.
 gpu::Sphere packNearSphere(const Sphere& local, uint32_t rank, uint32_t restAt);

@@ -7,6 +7,7 @@
 #include <tuple>
 #include <utility>
 
+#include "primitives/features.h"
 #include "primitives/words.h"
 
 namespace turner {
@@ -52,6 +53,11 @@ Bounds boundsOf(const TriangleCorners& corners) {
 bool isWithinReach(const TriangleCorners& local) {
   return std::all_of(local.begin(), local.end(),
                      [](const glm::dvec3& position) { return isWithin(position, kMostLocal); });
+}
+
+void addFeatures(const Triangle& local, Features& features) {
+  features.triangles = true;
+  features.smoothNormals |= local.isSmooth();
 }
 
 gpu::TrianglePair packPair(const TriangleCorners& first, uint32_t firstRank, const TriangleCorners* second,

@@ -11,6 +11,8 @@
 
 namespace turner {
 
+struct Features;
+
 namespace gpu {
 struct TrianglePair;
 }  // namespace gpu
@@ -47,6 +49,9 @@ inline Triangle toLocal(const Triangle& world, const LocalFrame&) {
 
 // Whether float32 can hold it; of a local triangle.
 bool isWithinReach(const TriangleCorners& local);
+
+// Notes what such a primitive needs of the kernel.
+void addFeatures(const Triangle& local, Features& features);
 
 // `second`: nullptr where the first is alone. `normals`: where the vertex normals of the first stand in the packed
 // scene, or kRefNone.
