@@ -40,6 +40,7 @@
 #include "support/agreement.h"
 #include "support/bumpy_spheres.h"
 #include "support/json_file.h"
+#include "support/our_scenes.h"
 #include "support/temporary_folder.h"
 
 namespace turner::test {
@@ -181,17 +182,9 @@ std::vector<BenchScene> defaultScenes(size_t maxTriangles) {
     addFile(ours / "spd" / (std::string(name) + ".nff"));
   addFile(ours / "spot.obj");
   addFile(TURNER_BENCH_DIR "/meshes/stanford-bunny.obj");
-  std::vector<std::filesystem::path> own;
-  for (const auto& entry : std::filesystem::directory_iterator(TURNER_SCENES_DIR)) {
-    const std::filesystem::path& path = entry.path();
-    // The peer computes in float32 as it comes, and knows no solids: over the planet and in nested glass it sees
-    // something else.
-    if (path.extension() == ".json" && path.filename() != "scene.schema.json" && path.stem() != "planet" &&
-        path.stem() != "nested_glass")
-      own.push_back(path);
-  }
-  std::sort(own.begin(), own.end());
-  for (const auto& path : own) addFile(path);
+  // The peer computes in float32 as it comes, and knows no solids: over the planet and in nested glass it sees
+  // something else.
+  for (const std::string& name : test::ourScenesBut({"planet", "nested_glass"})) addFile(ours / (name + ".json"));
   for (size_t triangles = 1000; triangles <= maxTriangles; triangles *= 10)
     scenes.push_back({fmt::format("bumpy-{}", triangles), "", triangles, 1024, 768});
   return scenes;

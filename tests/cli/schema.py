@@ -12,15 +12,22 @@ from support.settings import SCENES, TESTS
 # A string, or a comment: strings are matched first where they begin first, so a // inside one stays.
 STRING_OR_COMMENT = re.compile(r'"(?:\\.|[^"\\])*"|//[^\n]*|/\*.*?\*/', re.DOTALL)
 
+# Has every key that there is, so that a broken value is refused for itself and not for its key.
 GOOD = {
+    "$schema": "scene.schema.json",
     "background": [0, 0, 0],
-    "camera": {"eye": [0, 0, 5], "target": [0, 0, 0]},
-    "lights": [{"position": [0, 5, 0]}],
-    "materials": {"clay": {"diffuse": [1, 1, 1]}},
-    "spheres": [{"center": [0, 0, 0], "material": "clay"}],
+    "depth": 4,
+    "width": 64,
+    "height": 48,
+    "camera": {"eye": [0, 0, 5], "target": [0, 0, 0], "up": [0, 1, 0], "fov": 40},
+    "lights": [{"position": [0, 5, 0], "color": [1, 1, 1], "falloff": "inverse-square"}],
+    "materials": {"clay": {"diffuse": [1, 1, 1], "specular": [0.1, 0.1, 0.1], "shininess": 9, "reflect": 0.2,
+                           "transmit": 0.3, "ior": 1.5}},
+    "spheres": [{"center": [0, 0, 0], "radius": 1, "material": "clay"}],
     "cones": [{"base": [0, 0, 0], "base_radius": 1, "apex": [0, 2, 0], "apex_radius": 0, "material": "clay"}],
-    "triangles": [{"vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "material": "clay"}],
-    "meshes": [{"file": "cow.obj", "material": "clay"}],
+    "triangles": [{"vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "normals": [[0, 0, 1], [0, 0, 1], [0, 0, 1]],
+                   "material": "clay"}],
+    "meshes": [{"file": "cow.obj", "material": "clay", "scale": 2, "rotate": [0, 90, 0], "translate": [1, 2, 3]}],
 }
 
 # Each breaks GOOD: the way to a value, and the value to put there.
@@ -82,6 +89,14 @@ class Schema(unittest.TestCase):
                 self.assertEqual(faults[:3], [])
         self.assertTrue(self.validator.is_valid({}), "the empty scene is a scene")
         self.assertTrue(self.validator.is_valid(GOOD), "the scene to be broken is a scene")
+
+    def test_the_scene_to_be_broken_has_every_key(self):
+        self.assertEqual(set(GOOD), set(self.schema["properties"]))
+        objects = {name: set(kind["properties"]) for name, kind in self.schema["$defs"].items() if "properties" in kind}
+        there = {"camera": GOOD["camera"], "light": GOOD["lights"][0], "material": GOOD["materials"]["clay"],
+                 "sphere": GOOD["spheres"][0], "cone": GOOD["cones"][0], "triangle": GOOD["triangles"][0],
+                 "mesh": GOOD["meshes"][0]}
+        self.assertEqual({name: set(keys) for name, keys in there.items()}, objects)
 
     def test_broken_scenes_are_refused(self):
         for way, value in BROKEN:

@@ -5,10 +5,11 @@
 #include <glm/geometric.hpp>
 
 #include "hard/cases.h"
-#include "hard/our_scenes.h"
 #include "hard/pictures.h"
 #include "hard/vectors.h"
 #include "reference/reference.h"
+#include "support/our_scenes.h"
+#include "support/shader_harness.h"
 
 namespace turner::hard {
 namespace {
@@ -106,10 +107,10 @@ void measureDeterminism(const Bench& bench, Report& report) {
   Random random = bench.random(42);
   const bool full = bench.effort.full;
   Differing differing;
-  std::vector<Scene> scenes = {coincidentScene(), ours("glass"), ours("mirrors")};
-  if (full) scenes.push_back(ours("spot"));
+  std::vector<Scene> scenes = {coincidentScene(), test::ours("glass"), test::ours("mirrors")};
+  if (full) scenes.push_back(test::ours("spot"));
   for (const Scene& scene : scenes) {
-    RenderSettings settings = settingsOfHeight(scene, full ? 150 : 45);
+    RenderSettings settings = test::settingsOfHeight(scene, full ? 150 : 45);
     settings.samples = 2;
     settings.sampler = Sampler::jitter;
     settings.depth = std::min(settings.depth, 5);

@@ -74,4 +74,9 @@ inline RenderSettings settingsOf(const Scene& scene, int width, int height, int 
   return settings;
 }
 
+// Of the scene's own shape.
+inline RenderSettings settingsOfHeight(const Scene& scene, int height) {
+  return settingsOf(scene, height * scene.width / scene.height, height);
+}
+
 }  // namespace turner::test

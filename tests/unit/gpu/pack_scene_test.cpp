@@ -2,10 +2,13 @@
 
 #include <bit>
 #include <cmath>
+#include <cstddef>
 #include <cstring>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 #include <random>
+#include <string>
+#include <type_traits>
 
 #include "base/errors.h"
 #include "gpu/pack_scene.h"
@@ -58,6 +61,38 @@ TEST(RoundScene, GivesValuesThatAreFloats) {
   }
   for (const glm::dvec3& position : local.positions)
     for (int k = 0; k < 3; ++k) EXPECT_TRUE(isFloat(position[k]));
+}
+
+// Whatever visitValues leaves out stays a double, and the kernel computes with another one.
+TEST(RoundScene, RoundsEveryValueOfLightsAndMaterials) {
+  Scene scene = mixedScene();
+  const auto isFloat = [](double x) { return double(float(x)) == x; };
+  const double third = 1.0 / 3;
+  Light light{.color = glm::dvec3(third)};
+  Material material;
+  size_t values = 0;
+  const auto set = [&](auto& value) {
+    value = std::decay_t<decltype(value)>(third);
+    values += sizeof value / sizeof(double);
+  };
+  Light::visitValues(light, set);
+  EXPECT_EQ((values + 3) * sizeof(double), offsetof(Light, falloff))
+      << "all but the position, before what is no number";
+  values = 0;
+  Material::visitValues(material, set);
+  EXPECT_EQ(values * sizeof(double), sizeof(Material) - sizeof(std::string)) << "all but the name";
+  scene.lights = {light};
+  scene.materials.push_back(material);
+
+  const Scene local = roundScene(scene);
+  const auto check = [&](const auto& value) {
+    if constexpr (std::is_same_v<std::decay_t<decltype(value)>, double>)
+      EXPECT_TRUE(isFloat(value));
+    else
+      for (int k = 0; k < 3; ++k) EXPECT_TRUE(isFloat(value[k]));
+  };
+  Light::visitValues(local.lights[0], check);
+  for (const Material& rounded : local.materials) Material::visitValues(rounded, check);
 }
 
 TEST(RoundScene, KeepsTheEyesHeightOverAGiantSphere) {

@@ -533,9 +533,9 @@ TEST_F(TimingFileWatch, FollowingTheSameFilesAgainCostsNothing) {
   watch.follow(files);
   std::reverse(files.begin(), files.end());
   files.push_back(files.front());
-  const Stopwatch watch;
+  const Stopwatch stopwatch;
   for (int i = 0; i < 100; ++i) watch.follow(files);
-  EXPECT_LT(watch.seconds(), 1);
+  EXPECT_LT(stopwatch.seconds(), 1);
 }
 
 TEST_F(FileWatchEvents, TheDescriptorIsClosedAtTheEndAndInPrograms) {

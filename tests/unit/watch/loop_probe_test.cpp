@@ -10,6 +10,7 @@
 #include "base/errors.h"
 #include "base/text_file.h"
 #include "scene/scene_load.h"
+#include "support/our_scenes.h"
 #include "support/shader_harness.h"
 #include "support/shader_variant.h"
 
@@ -17,6 +18,7 @@ namespace turner::watch {
 
 namespace {
 
+using test::ours;
 using test::settingsOf;
 using testing::HasSubstr;
 using testing::Not;
@@ -25,10 +27,6 @@ class RendererEndsWithTheTests : public testing::Environment {
   void TearDown() override { test::endRenderer(); }
 };
 const testing::Environment* const rendererEnd = testing::AddGlobalTestEnvironment(new RendererEndsWithTheTests);
-
-Scene ours(const std::string& name) {
-  return loadScene(std::string(TURNER_SCENES_DIR) + "/" + name + ".json");
-}
 
 std::vector<ShaderSource> shipped() {
   return readShaderSources(TURNER_SHADERS_DIR "/whitted.comp");
