@@ -21,7 +21,7 @@ namespace turner {
 // It may throw too. Without it the calling thread works along.
 template <class Task>
 void parallelFor(size_t count, const Task& task, const std::function<void(double)>& progress = {},
-                 std::stop_source stop = {}) {
+                 const std::stop_source& stop = {}) {
   std::atomic<size_t> next = 0, done = 0;
   // The rest is under the mutex; `finished` tells the calling thread that nothing is running any more.
   std::mutex mutex;
