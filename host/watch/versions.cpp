@@ -51,7 +51,8 @@ void Versions::waitForWorker(uint64_t burst) {
 }
 
 void Versions::begin(Change change) {
-  Attempt& attempt = attempt_.emplace();
+  attempt_ = Attempt();  // clang refuses emplace() of a nested structure with initialisers
+  Attempt& attempt = *attempt_;
   waitingBurst_.reset();
   if (!std::exchange(repeatsVersion_, false)) ++lastVersion_;
   attempt.version = lastVersion_;
