@@ -1,4 +1,4 @@
-// Where benchmarks and hard cases put what is not to stay.
+// Where tests put what is not to stay.
 #pragma once
 
 #include <cstdlib>

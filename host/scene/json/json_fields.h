@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <glm/vec3.hpp>
@@ -13,6 +14,7 @@
 
 #include "base/diagnostics.h"
 #include "scene/json/json_tree.h"
+#include "scene/text_scanner.h"
 
 namespace turner {
 
@@ -32,6 +34,8 @@ struct NumberRule {
   bool (*holds)(double);
   const char* allowed;
 };
+inline constexpr NumberRule kAnyNumber{[](double x) { return std::abs(x) <= kLargestNumber; },
+                                       "a number from -1e30 to 1e30"};
 
 class JsonFields {
  public:

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <filesystem>
 #include <glm/geometric.hpp>
 #include <optional>
@@ -13,41 +12,20 @@
 #include "base/diagnostics.h"
 #include "base/errors.h"
 #include "base/text_file.h"
+#include "scene/json/json_camera.h"
 #include "scene/json/json_fields.h"
 #include "scene/json/json_tree.h"
 #include "scene/json/mesh_files.h"
 #include "scene/json/place_mesh.h"
-#include "scene/json/unit_box.h"
 
 namespace turner {
 
 namespace {
 
-// Beyond every scene's need. What the shader can hold depends on the view, and is checked by checkReach.
-constexpr double kLargest = 1e30;
-
-constexpr NumberRule kAnyNumber{[](double x) { return std::abs(x) <= kLargest; }, "a number from -1e30 to 1e30"};
-constexpr NumberRule kNotNegative{[](double x) { return x >= 0 && x <= kLargest; }, "a number from 0 to 1e30"};
-constexpr NumberRule kPositive{[](double x) { return x > 0 && x <= kLargest; },
+constexpr NumberRule kNotNegative{[](double x) { return x >= 0 && x <= kLargestNumber; }, "a number from 0 to 1e30"};
+constexpr NumberRule kPositive{[](double x) { return x > 0 && x <= kLargestNumber; },
                                "a number greater than 0, at most 1e30"};
 constexpr NumberRule kShare{[](double x) { return x >= 0 && x <= 1; }, "a number from 0 to 1"};
-constexpr NumberRule kFieldOfView{[](double x) { return x > 0 && x < 180; },
-                                  "a number of degrees greater than 0 and less than 180"};
-
-// Nothing is seen when there is no direction to look in, or when it leaves open how the camera is turned about it.
-const char* findCameraFault(const Camera& camera) {
-  const glm::dvec3 view = camera.target - camera.eye;
-  // Its square must not vanish, for its length is the unit that the scene is measured in.
-  constexpr double kLeastDistance = 1e-30;
-  if (glm::length(view) < kLeastDistance) return "eye and target are the same point; they must differ";
-  if (camera.up == glm::dvec3(0)) return "up is [0, 0, 0]; it must have a direction";
-  // The sine between the two: decimals may make what is meant to be parallel not quite so.
-  constexpr double kLeastSine = 1e-9;
-  const glm::dvec3 a = scaleToUnitBox(view), b = scaleToUnitBox(camera.up);
-  if (glm::length(glm::cross(a, b)) <= kLeastSine * glm::length(a) * glm::length(b))
-    return "up is parallel to the direction of view; it must point to a side of it";
-  return nullptr;
-}
 
 // Takes the scene out of a tree, section by section; faults are noted and reading goes on.
 class SceneReader {
@@ -64,7 +42,6 @@ class SceneReader {
   ParsedScene take() { return std::move(parsed_); }
 
  private:
-  void readCamera(size_t at, const Field& field);
   void readLight(size_t at, const Field& field);
   void readFalloff(size_t at, const Field& field, Falloff& falloff);
   void readMaterial(std::string_view name, size_t at, const Field& field);
@@ -104,7 +81,11 @@ void SceneReader::read() {
         [&](size_t at, const Field& field) { fields_.readInteger(at, field, 1, kMaxSize, scene_.width); }},
        {"height", false,
         [&](size_t at, const Field& field) { fields_.readInteger(at, field, 1, kMaxSize, scene_.height); }},
-       {"camera", false, [&](size_t at, const Field& field) { readCamera(at, field); }},
+       {"camera", false,
+        [&](size_t at, const Field& field) {
+          parsed_.hasCamera = true;
+          readCamera(fields_, at, field, scene_.camera);
+        }},
        {"lights", false,
         [&](size_t at, const Field& field) {
           fields_.readArray(at, field, [&](size_t light, const Field& name) { readLight(light, name); });
@@ -132,24 +113,6 @@ void SceneReader::read() {
     countPlacements(meshes);
     fields_.readArray(meshes, {&root, "meshes"}, [&](size_t at, const Field& field) { readMesh(at, field); });
   }
-}
-
-void SceneReader::readCamera(size_t at, const Field& field) {
-  parsed_.hasCamera = true;
-  Camera& camera = scene_.camera;
-  bool hasEye = false, hasTarget = false, hasUp = true;
-  const auto vectorInto = [&](glm::dvec3& vector, bool& isGood) {
-    return [&](size_t place, const Field& name) { isGood = fields_.readVector(place, name, kAnyNumber, vector); };
-  };
-  fields_.readObject(at, field,
-                     {{"eye", true, vectorInto(camera.eye, hasEye)},
-                      {"target", true, vectorInto(camera.target, hasTarget)},
-                      {"up", false, vectorInto(camera.up, hasUp)},
-                      {"fov", false, [&](size_t place, const Field& name) {
-                         fields_.readNumber(place, name, kFieldOfView, camera.fov);
-                       }}});
-  if (!hasEye || !hasTarget || !hasUp) return;
-  if (const char* fault = findCameraFault(camera)) fields_.addMessage(at, field, fault);
 }
 
 void SceneReader::readFalloff(size_t at, const Field& field, Falloff& falloff) {
@@ -331,7 +294,7 @@ void SceneReader::readMesh(size_t at, const Field& field) {
        {"rotate", false, vectorInto(placement.degrees)},
        {"translate", false, vectorInto(placement.translation)}});
   if (!file) return;
-  if (file->mesh && !placeMesh(*file->mesh, material, placement, kLargest, scene_)) {
+  if (file->mesh && !placeMesh(*file->mesh, material, placement, kLargestNumber, scene_)) {
     fields_.addMessage(at, field, "the mesh, scaled and moved, reaches beyond 1e30; its vertices must stay within");
   }
   file->placed();

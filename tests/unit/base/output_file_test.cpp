@@ -16,6 +16,7 @@
 
 #include "base/errors.h"
 #include "base/output_file.h"
+#include "support/temporary_folder.h"
 
 namespace turner {
 namespace {
@@ -47,19 +48,12 @@ std::string failure(const std::string& path) {
 // Each test works in a folder of its own, which goes away with it.
 class OutputFile : public testing::Test {
  protected:
-  void SetUp() override {
-    std::string name = testing::TempDir() + "turner_output_XXXXXX";
-    ASSERT_NE(mkdtemp(name.data()), nullptr);
-    folder = name;
-  }
-  void TearDown() override {
-    fs::permissions(folder, fs::perms::owner_all);
-    fs::remove_all(folder);
-  }
+  void TearDown() override { fs::permissions(folder, fs::perms::owner_all); }
   std::string in(const std::string& name) const { return (folder / name).string(); }
   size_t countFiles() const { return size_t(std::distance(fs::directory_iterator(folder), {})); }
 
-  fs::path folder;
+  test::TemporaryFolder temporary;
+  const fs::path folder = temporary.path;
 };
 
 // Limits the size of files that this process may write, as a full disk would.

@@ -18,6 +18,10 @@
 namespace turner {
 namespace {
 
+bool isFloat(double x) {
+  return double(float(x)) == x;
+}
+
 Scene mixedScene() {
   Scene scene;
   scene.camera = {.eye = {100, 200, 300}, .target = {100, 200, 290}, .up = {0, 1, 0}, .fov = 40};
@@ -54,7 +58,6 @@ TEST(RoundScene, PutsTheEyeAtTheOriginAndTheTargetBetweenOneAndTwo) {
 
 TEST(RoundScene, GivesValuesThatAreFloats) {
   const Scene local = roundScene(mixedScene());
-  const auto isFloat = [](double x) { return double(float(x)) == x; };
   for (const Sphere& sphere : local.spheres) {
     EXPECT_TRUE(isFloat(sphere.radius));
     for (int k = 0; k < 3; ++k) EXPECT_TRUE(isFloat(sphere.center[k]));
@@ -66,7 +69,6 @@ TEST(RoundScene, GivesValuesThatAreFloats) {
 // Whatever visitValues leaves out stays a double, and the kernel computes with another one.
 TEST(RoundScene, RoundsEveryValueOfLightsAndMaterials) {
   Scene scene = mixedScene();
-  const auto isFloat = [](double x) { return double(float(x)) == x; };
   const double third = 1.0 / 3;
   Light light{.color = glm::dvec3(third)};
   Material material;

@@ -23,6 +23,7 @@
 #include "kernel/compile.h"
 #include "kernel/shader_sources.h"
 #include "kernel/spirv_cache.h"
+#include "support/temporary_folder.h"
 
 namespace turner {
 namespace {
@@ -74,9 +75,6 @@ std::string keyOf(char digit) {
 class SpirvCache : public testing::Test {
  protected:
   void SetUp() override {
-    std::string name = testing::TempDir() + "turner_cache_XXXXXX";
-    ASSERT_NE(mkdtemp(name.data()), nullptr);
-    folder = name;
     fs::create_directory(folder / "shaders");
     home.set(folder.c_str());
     shader = write("a.comp", kHead + "#include \"b.glsl\"\n#include \"c.glsl\"\nvoid main() { b(); c(); }\n");
@@ -84,10 +82,7 @@ class SpirvCache : public testing::Test {
     write("c.glsl", "#include \"d.glsl\"\nvoid c() { d(); }\n");
     write("d.glsl", "void d() {}\n");
   }
-  void TearDown() override {
-    fs::permissions(folder, fs::perms::owner_all);
-    fs::remove_all(folder);
-  }
+  void TearDown() override { fs::permissions(folder, fs::perms::owner_all); }
 
   std::string write(const std::string& name, const std::string& text) const {
     const fs::path path = folder / "shaders" / name;
@@ -114,7 +109,8 @@ class SpirvCache : public testing::Test {
   }
 
   const Variable home{"XDG_CACHE_HOME", ""};
-  fs::path folder;
+  test::TemporaryFolder temporary;
+  const fs::path folder = temporary.path;
   std::string shader;
 };
 
