@@ -90,7 +90,8 @@ TEST_F(SelfTest, RefusesADeviceThatFails) {
 
 // A device that gets loops wrong but where they end at their head.
 TEST_F(SelfTest, WorksAroundLoops) {
-  const std::vector<ShaderSource> sources = altered("return sum + uint(budget);", "return LOOPS_AT_HEAD ? sum + uint(budget) : 0u;");
+  const std::vector<ShaderSource> sources =
+      altered("return sum + uint(budget);", "return LOOPS_AT_HEAD ? sum + uint(budget) : 0u;");
   const DeviceTrust trust = testDevice(device, access, sources);
   EXPECT_TRUE(trust.loopsAtHead);
   EXPECT_THAT(trust.note, HasSubstr(device.info().name));
