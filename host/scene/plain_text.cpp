@@ -68,6 +68,15 @@ bool endsALineAlone(std::string_view text, size_t carriageReturn) {
 // The place of a carriage return that ends a line alone.
 size_t findMacLineEnd(std::string_view text) {
   size_t at = text.find('\r');
+  // Files of Windows are passed in blocks, of whose bytes none is looked at by itself.
+  constexpr size_t kBlock = 64;
+  for (; at != std::string_view::npos && at + kBlock < text.size(); at += kBlock) {
+    const char* const block = text.data() + at;
+    unsigned char isAlone = 0;
+    for (size_t k = 0; k < kBlock; ++k) isAlone |= (unsigned char)((block[k] == '\r') & (block[k + 1] != '\n'));
+    if (isAlone) break;
+  }
+  at = text.find('\r', at);
   while (at != std::string_view::npos && !endsALineAlone(text, at)) at = text.find('\r', at + 1);
   return at;
 }

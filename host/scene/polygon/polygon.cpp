@@ -4,6 +4,7 @@
 #include "scene/polygon/polygon.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <glm/geometric.hpp>
@@ -231,6 +232,15 @@ CutPolygon cutAnyhow(Corners corners, const std::vector<uint32_t>& distinct, con
   return result;
 }
 
+// Whether a polygon of four is convex as seen along the axis, without straight corners.
+bool isConvexQuad(Corners corners, const Plane& plane) {
+  std::array<PlanePoint, 4> p;
+  for (size_t i = 0; i < 4; ++i) p[i] = plane.flatten(corners[i]);
+  const int side = orientation(p[0], p[1], p[2]);
+  return side != 0 && orientation(p[1], p[2], p[3]) == side && orientation(p[2], p[3], p[0]) == side &&
+         orientation(p[3], p[0], p[1]) == side;
+}
+
 // A polygon whose corners lie in no plane; `flat` is what it is seen along the axis.
 CutPolygon cutWarped(Corners corners, Cut flat, const Plane& plane) {
   const std::vector<uint32_t> distinct = distinctCorners(corners);
@@ -257,6 +267,11 @@ CutPolygon triangulatePolygon(Corners corners) {
     const bool hasArea =
         orientation(plane.flatten(corners[0]), plane.flatten(corners[1]), plane.flatten(corners[2])) != 0;
     return {.triangles = hasArea ? Triangles{Triangle3{0, 1, 2}} : Triangles()};
+  }
+  if (corners.size() == 4 && isConvexQuad(corners, plane)) {
+    // Likewise, for most of the others.
+    Triangles fan{{0, 1, 2}, {0, 2, 3}};
+    if (isPlanar(corners, plane) || facesTheNormal(corners, fan, plane)) return {.triangles = std::move(fan)};
   }
   Cut flat = cut(flatten(corners, plane));
   if (!isPlanar(corners, plane)) return cutWarped(corners, std::move(flat), plane);

@@ -180,6 +180,27 @@ TEST(WarpedPolygon, StraightCornersAreUsed) {
   }
 }
 
+// Of any numbers: corners at one place, in line, very far, very near; without a crash, and all in the mesh unless there
+// is no area.
+TEST(WarpedPolygon, AnyCornersAreCut) {
+  std::mt19937_64 random(2);
+  const std::array<double, 9> numbers{0, 1, -1, 0.1, 1.0 / 3, 1e-17, 1e30, -1e-200, 5};
+  for (int trial = 0; trial < 20'000; ++trial) {
+    std::vector<glm::dvec3> corners(3 + random() % 10);
+    for (glm::dvec3& corner : corners) {
+      for (int k = 0; k < 3; ++k) {
+        const double number = numbers[random() % numbers.size()];
+        corner[k] = trial % 2 ? number : number * double(random() >> 11);
+      }
+    }
+    const CutPolygon polygon = triangulatePolygon(corners);
+    for (const auto& triangle : polygon.triangles) {
+      for (const uint32_t corner : triangle) ASSERT_LT(corner, corners.size());
+    }
+    EXPECT_FALSE(polygon.crossesItself && polygon.triangles.empty());
+  }
+}
+
 using Triangles = std::vector<std::array<uint32_t, 3>>;
 
 Triangles cut(const std::vector<glm::dvec3>& corners) {
