@@ -23,7 +23,7 @@ Scene loadAndPrint(const RenderOptions& options) {
   Scene scene = loadScene(path);
   if (!options.quiet) {
     fmt::print("scene: {} ({}, {} lights)\n", path, toText(scene.primitiveCounts()), scene.lights.size());
-    for (const std::string& note : scene.notes) fmt::print("note: {}\n", note);
+    for (const std::string& note : scene.notes) fmt::print("{}\n", note);
   }
   return scene;
 }

@@ -97,7 +97,8 @@ struct Scene {
   std::vector<Triangle> triangles;
   // Of vertices, which triangles share; some may be no triangle's.
   std::vector<glm::dvec3> positions, normals;
-  std::vector<std::string> notes;  // what the user should be told: no lights, no objects, ...
+  // What the user should be told: lines "FILE: note: WHAT" or "FILE:LINE:COLUMN: note: WHAT".
+  std::vector<std::string> notes;
 
   TriangleCorners cornersOf(const Triangle& triangle) const { return at(positions, triangle.positions); }
   const glm::dvec3& cornerOf(const Triangle& triangle, size_t k) const { return positions[triangle.positions[k]]; }

@@ -47,11 +47,11 @@ bool hasNoArea(const TriangleCorners& corners) {
 }
 
 // Their vertices stay behind in the scene: others may share them.
-void dropTrianglesWithoutArea(Scene& scene) {
+void dropTrianglesWithoutArea(Scene& scene, const std::string& notePrefix) {
   const size_t dropped =
       std::erase_if(scene.triangles, [&](const Triangle& triangle) { return hasNoArea(scene.cornersOf(triangle)); });
-  if (dropped == 1) scene.notes.push_back("1 triangle without area was dropped");
-  if (dropped > 1) scene.notes.push_back(std::to_string(dropped) + " triangles without area were dropped");
+  if (dropped == 1) scene.notes.push_back(notePrefix + "1 triangle without area was dropped");
+  if (dropped > 1) scene.notes.push_back(notePrefix + std::to_string(dropped) + " triangles without area were dropped");
 }
 
 Bounds boundsOf(const Scene& scene) {
@@ -84,10 +84,11 @@ Camera fitCamera(const Scene& scene) {
   return camera;
 }
 
-void noteWhatIsMissing(Scene& scene, bool hasCamera) {
-  if (scene.lights.empty()) scene.notes.push_back("the scene has no lights: its objects are black");
-  if (scene.primitiveCount() == 0) scene.notes.push_back("the scene has no objects: the picture is its background");
-  if (!hasCamera) scene.notes.push_back("the scene has no camera: one was fitted to its bounds");
+void noteWhatIsMissing(Scene& scene, bool hasCamera, const std::string& notePrefix) {
+  const auto note = [&](const char* text) { scene.notes.push_back(notePrefix + text); };
+  if (scene.lights.empty()) note("the scene has no lights: its objects are black");
+  if (scene.primitiveCount() == 0) note("the scene has no objects: the picture is its background");
+  if (!hasCamera) note("the scene has no camera: one was fitted to its bounds");
 }
 
 }  // namespace
@@ -96,9 +97,10 @@ Scene loadScene(const std::string& path) {
   ParsedScene parsed = parseByExtension(path);
   Scene scene = std::move(parsed.scene);
   scene.name = std::filesystem::path(path).stem().string();
-  dropTrianglesWithoutArea(scene);
+  const std::string notePrefix = path + ": note: ";
+  dropTrianglesWithoutArea(scene, notePrefix);
   if (!parsed.hasCamera) scene.camera = fitCamera(scene);
-  noteWhatIsMissing(scene, parsed.hasCamera);
+  noteWhatIsMissing(scene, parsed.hasCamera, notePrefix);
   return scene;
 }
 

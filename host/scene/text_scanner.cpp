@@ -1,13 +1,12 @@
 // Walks the bytes once; tokens are views into the text.
 #include "scene/text_scanner.h"
 
+#include <algorithm>
+
 namespace turner {
 
 TextScanner::TextScanner(std::string_view text, Continuation continuation)
-    : text_(text), joinsLines_(continuation == Continuation::backslash) {
-  // A byte order mark is no part of the first word.
-  if (text_.starts_with("\xEF\xBB\xBF")) at_ = 3;
-}
+    : text_(text), joinsLines_(continuation == Continuation::backslash) {}
 
 size_t TextScanner::continuationAt(size_t at) const {
   if (!joinsLines_) return 0;
@@ -35,6 +34,15 @@ bool TextScanner::nextLine() {
       return true;
     }
   }
+}
+
+bool TextScanner::passRest() {
+  const size_t end = std::min(text_.find('\n', at_), text_.size());
+  size_t last = end;
+  while (last > at_ && kindOf(text_[last - 1]) == ByteKind::blank) --last;
+  const bool hasBackslash = last > at_ && text_[last - 1] == '\\';
+  at_ = end;
+  return hasBackslash;
 }
 
 std::string readSceneNumber(std::string_view token, double& value) {

@@ -34,6 +34,9 @@ class TextScanner {
   Token next();
   // The same, without passing it.
   Token peek() const;
+  // Passes what the line still holds, up to its end in the text: nothing is joined to it. Whether a backslash stands at
+  // its end.
+  bool passRest();
   // Whether the line has no more tokens.
   bool atLineEnd() const { return !isTokenAt(skipBlanks(at_)); }
   // Reads the next token, and where it begins, if it is a number that readSceneNumber takes. False, with nothing

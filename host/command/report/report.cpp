@@ -30,7 +30,7 @@ void printPlan(const ReportPlan& plan, const Journal& journal, const std::string
                sweep.whole.crop.height(), sweep.settings.size());
     for (const RendererInfo& renderer : plan.renderers) fmt::print(", {}", renderer.device);
     fmt::print(", {} times)\n", sweep.repeats);
-    for (const std::string& note : sweep.scene.notes) fmt::print("note: {}\n", note);
+    for (const std::string& note : sweep.scene.notes) fmt::print("{}\n", note);
   }
   if (journal.size() > 0)
     fmt::print("going on with {} measurements of an interrupted report in {}\n", journal.size(), output);

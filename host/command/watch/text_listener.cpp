@@ -27,7 +27,7 @@ class TextListener : public WatchListener {
 
   void onScene(const SceneReady& scene) override {
     print("scene: {} ({})\n", plan_.scene, toText(scene.primitives));
-    for (const std::string& note : scene.summary.notes) print("note: {}\n", note);
+    for (const std::string& note : scene.summary.notes) print("{}\n", note);
     if (std::exchange(printedDevice_, true)) return;
     print("device: {} ({}, {}), fetching {}\n", scene.device, scene.deviceType, scene.driver, scene.access);
   }

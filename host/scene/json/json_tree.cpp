@@ -11,15 +11,13 @@ namespace turner {
 
 namespace {
 
-constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-
 // RapidJSON's input stream over the text. Notes whether the reader ever came to the end: a fault found there means that
 // the file was cut off.
 class TextStream {
  public:
   using Ch = char;
 
-  TextStream(std::string_view text, size_t begin) : text_(text), at_(begin) {}
+  explicit TextStream(std::string_view text) : text_(text) {}
 
   Ch Peek() const {
     if (at_ < text_.size()) return text_[at_];
@@ -42,7 +40,7 @@ class TextStream {
 
  private:
   std::string_view text_;
-  size_t at_;
+  size_t at_ = 0;
   mutable bool sawEnd_ = false;
 };
 
@@ -89,8 +87,8 @@ bool isNotFinite(std::string_view word) {
 class TreeBuilder {
  public:
   // `parsed` is what RapidJSON reads: `text` with some numbers blanked out.
-  TreeBuilder(std::string_view text, std::string_view parsed, const TextStream& stream, size_t begin, JsonTree& tree)
-      : text_(text), parsed_(parsed), stream_(stream), end_(begin), tree_(tree) {}
+  TreeBuilder(std::string_view text, std::string_view parsed, const TextStream& stream, JsonTree& tree)
+      : text_(text), parsed_(parsed), stream_(stream), tree_(tree) {}
 
   bool Null() { return addWord(JsonKind::null); }
   bool Bool(bool) { return addWord(JsonKind::boolean); }
@@ -165,7 +163,7 @@ class TreeBuilder {
 
   std::string_view text_, parsed_;
   const TextStream& stream_;
-  size_t end_;  // of the last token
+  size_t end_ = 0;  // of the last token
   JsonTree& tree_;
   std::vector<size_t> open_;  // the containers around the current place
 };
@@ -215,12 +213,12 @@ std::string describeFound(std::string_view text, size_t at) {
   return std::string("the byte 0x") + kDigits[c >> 4] + kDigits[c & 15];
 }
 
-void addSyntaxFault(const rapidjson::ParseResult& result, std::string_view text, const TextStream& stream, size_t begin,
+void addSyntaxFault(const rapidjson::ParseResult& result, std::string_view text, const TextStream& stream,
                     const TreeBuilder& builder, Diagnostics& faults) {
   const rapidjson::ParseErrorCode code = result.Code();
   const std::string expected = describeExpected(code);
   if (stream.sawEnd()) {
-    const bool isEmpty = skipToToken(text, begin) == text.size();
+    const bool isEmpty = skipToToken(text, 0) == text.size();
     faults.add(text.size(), (isEmpty ? "the file is empty; " : "the file ends too early; ") + expected);
     return;
   }
@@ -251,7 +249,6 @@ JsonTree parseJson(std::string_view text, Diagnostics& faults) {
     faults.add(zero, "found the byte 0x00; a scene is a text file");
     return {};
   }
-  const size_t begin = text.starts_with(kByteOrderMark) ? kByteOrderMark.size() : 0;
 
   // RapidJSON computes every number even where it only hands over its text, and gives up at those beyond its range
   // (1e400) and at NaN. They are blanked out, one at each attempt, so that faults behind them are found too; the tree
@@ -262,8 +259,8 @@ JsonTree parseJson(std::string_view text, Diagnostics& faults) {
   for (int attempt = 1;; ++attempt) {
     const std::string_view parsed = blanked.empty() ? text : std::string_view(blanked);
     JsonTree tree;
-    TextStream stream(parsed, begin);
-    TreeBuilder builder(text, parsed, stream, begin, tree);
+    TextStream stream(parsed);
+    TreeBuilder builder(text, parsed, stream, tree);
     rapidjson::Reader reader;
     constexpr unsigned kFlags = rapidjson::kParseCommentsFlag | rapidjson::kParseNumbersAsStringsFlag |
                                 rapidjson::kParseValidateEncodingFlag | rapidjson::kParseIterativeFlag;
@@ -274,7 +271,7 @@ JsonTree parseJson(std::string_view text, Diagnostics& faults) {
     const std::string_view number = wordAt(text, at);
     const bool isWord = result.Code() == rapidjson::kParseErrorValueInvalid && isNotFinite(number);
     if (!isTooLarge && (!isWord || attempt == kMaxAttempts)) {
-      addSyntaxFault(result, text, stream, begin, builder, faults);
+      addSyntaxFault(result, text, stream, builder, faults);
       return {};
     }
     if (attempt == kMaxAttempts) {

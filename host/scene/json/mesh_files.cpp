@@ -10,8 +10,7 @@
 
 namespace turner {
 
-MeshFiles::File* MeshFiles::open(size_t at, const Field& field, const std::string& file,
-                                 std::vector<SourceFile>& sources) {
+MeshFiles::File* MeshFiles::open(size_t at, const Field& field, const std::string& file, Scene& scene) {
   if (lowerExtension(file) != ".obj" || file.find('\0') != std::string::npos) {
     fields_.addFault(at, field, "the path of an .obj file");
     return nullptr;
@@ -39,7 +38,9 @@ MeshFiles::File* MeshFiles::open(size_t at, const Field& field, const std::strin
     faults_ += error.what();
     return &entry;
   }
-  sources.push_back({file, hash.get()});
+  scene.sources.push_back({file, hash.get()});
+  std::vector<std::string>& notes = entry.mesh->notes;
+  scene.notes.insert(scene.notes.end(), notes.begin(), notes.end());
   return &entry;
 }
 

@@ -31,8 +31,9 @@ class MeshFiles {
   // Once for each placement, before the first is read.
   void expect(const std::string& file) { ++files_[pathOf(file)].placements; }
 
-  // The file that the scene names here; its source is appended when it is read. nullptr if it is no .obj file.
-  File* open(size_t at, const Field& field, const std::string& file, std::vector<SourceFile>& sources);
+  // The file that the scene names here; its source and its notes are appended to the scene's when it is read. nullptr
+  // if it is no .obj file.
+  File* open(size_t at, const Field& field, const std::string& file, Scene& scene);
 
   // The faults in the files, each line with its place in the mesh's file.
   const std::string& faults() const { return faults_; }

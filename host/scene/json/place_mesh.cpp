@@ -54,12 +54,21 @@ bool placeMesh(const Mesh& mesh, uint32_t material, const Placement& placement, 
 
   const glm::dmat3 rotation = rotationOfDegrees(placement.degrees);
   reservePrefaulted(scene.positions, mesh.positions.size());
+  bool allWithin = true;
   for (const glm::dvec3& position : mesh.positions) {
-    const glm::dvec3 placed = rotation * (placement.scale * position) + placement.translation;
-    scene.positions.push_back(placed);
-    if (isWithin(placed, largest)) continue;
-    scene.positions.resize(firstPosition);
-    return false;
+    scene.positions.push_back(rotation * (placement.scale * position) + placement.translation);
+    allWithin &= isWithin(scene.positions.back(), largest);
+  }
+  if (!allWithin) {
+    // A vertex that no face uses may lie anywhere.
+    const auto isFaceWithin = [&](const Mesh::Face& face) {
+      return std::all_of(face.vertices.begin(), face.vertices.end(),
+                         [&](uint32_t vertex) { return isWithin(scene.positions[firstPosition + vertex], largest); });
+    };
+    if (!std::all_of(mesh.faces.begin(), mesh.faces.end(), isFaceWithin)) {
+      scene.positions.resize(firstPosition);
+      return false;
+    }
   }
   reservePrefaulted(scene.normals, mesh.normals.size());
   for (const glm::dvec3& normal : mesh.normals) scene.normals.push_back(rotation * scaleToUnitBox(normal));

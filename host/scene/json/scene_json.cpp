@@ -17,6 +17,7 @@
 #include "scene/json/json_tree.h"
 #include "scene/json/mesh_files.h"
 #include "scene/json/place_mesh.h"
+#include "scene/plain_text.h"
 
 namespace turner {
 
@@ -30,10 +31,12 @@ constexpr NumberRule kShare{[](double x) { return x >= 0 && x <= 1; }, "a number
 // Takes the scene out of a tree, section by section; faults are noted and reading goes on.
 class SceneReader {
  public:
-  SceneReader(const std::string& path, std::string_view text, const JsonTree& tree, Diagnostics& faults)
+  // `bytes` are those of the file, `text` is what was read of them.
+  SceneReader(const std::string& path, std::string_view bytes, std::string_view text, const JsonTree& tree,
+              Diagnostics& faults)
       : fields_(tree, text, faults), meshFiles_(std::filesystem::path(path).parent_path(), fields_) {
     // The file's name alone: what is written about a scene does not depend on the folder it lies in.
-    parsed_.scene.sources.push_back({std::filesystem::path(path).filename().string(), sha256Hex(text)});
+    parsed_.scene.sources.push_back({std::filesystem::path(path).filename().string(), sha256Hex(bytes)});
   }
 
   void read();
@@ -286,7 +289,7 @@ void SceneReader::readMesh(size_t at, const Field& field) {
         [&](size_t place, const Field& name) {
           std::string path;
           if (fields_.readString(place, name, "the path of an .obj file", path))
-            file = meshFiles_.open(place, name, path, scene_.sources);
+            file = meshFiles_.open(place, name, path, scene_);
         }},
        {"material", true, [&](size_t place, const Field& name) { readMaterialName(place, name, material); }},
        {"scale", false,
@@ -302,12 +305,14 @@ void SceneReader::readMesh(size_t at, const Field& field) {
 
 }  // namespace
 
-ParsedScene parseJsonScene(const std::string& path, std::string_view text) {
+ParsedScene parseJsonScene(const std::string& path, std::string_view bytes) {
+  const PlainText plain(path, bytes);
+  const std::string_view text = plain.view();
   Diagnostics faults(path, text);
   const JsonTree tree = parseJson(text, faults);
   faults.throwIfAny();
 
-  SceneReader reader(path, text, tree, faults);
+  SceneReader reader(path, bytes, text, tree, faults);
   reader.read();
   if (reader.meshFaults().empty()) {
     faults.throwIfAny();

@@ -9,6 +9,6 @@
 namespace turner {
 
 // `path` is printed in faults; meshes are looked for beside it. Throws InputError with all faults.
-ParsedScene parseJsonScene(const std::string& path, std::string_view text);
+ParsedScene parseJsonScene(const std::string& path, std::string_view bytes);
 
 }  // namespace turner

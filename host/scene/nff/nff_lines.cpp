@@ -2,6 +2,7 @@
 #include "scene/nff/nff_lines.h"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "base/errors.h"
@@ -11,6 +12,17 @@ namespace turner::nff {
 namespace {
 
 constexpr std::array<std::string_view, 8> kEntities{"b", "c", "f", "l", "p", "pp", "s", "v"};
+constexpr NoteKind kUnknown{"unknown entity was passed over", "unknown entities were passed over"};
+
+std::string tooMuch(const Token& token, std::string_view form) {
+  return "more on the line than expected: " + quoted(token.text) + "; allowed is " + std::string(form) +
+         ", one entity a line";
+}
+
+std::string tooShort(size_t count, std::string_view form) {
+  return "found " + std::to_string(count) + (count == 1 ? " number" : " numbers") +
+         ", the line is too short; allowed is " + std::string(form);
+}
 
 }  // namespace
 
@@ -40,19 +52,42 @@ Numbers Lines::readNumbers(std::initializer_list<size_t> allowed, std::string_vi
     ++numbers.count;
   }
   for (Token token = next(); !token.text.empty(); token = next()) {
-    if (numbers.count == most) {
-      fail(token.offset, "more on the line than expected: " + quoted(token.text) + "; allowed is " + std::string(form) +
-                             ", one entity a line");
-    }
+    if (numbers.count == most) fail(token.offset, tooMuch(token, form));
     std::string wrong = readSceneNumber(token.text, numbers.values[numbers.count]);
     if (!wrong.empty()) fail(token.offset, std::move(wrong));
     numbers.offsets[numbers.count++] = token.offset;
   }
   if (std::find(allowed.begin(), allowed.end(), numbers.count) == allowed.end()) {
-    fail(peek().offset, "found " + std::to_string(numbers.count) + (numbers.count == 1 ? " number" : " numbers") +
-                            ", the line is too short; allowed is " + std::string(form));
+    fail(peek().offset, tooShort(numbers.count, form));
   }
   return numbers;
+}
+
+Numbers Lines::readNumbers(size_t needed, size_t most, std::string_view form) {
+  Numbers numbers;
+  size_t& count = numbers.count;
+  while (count < most && nextPlainNumber(numbers.values[count], numbers.offsets[count])) ++count;
+  for (Token token = next(); !token.text.empty(); token = next()) {
+    if (count == most) fail(token.offset, tooMuch(token, form));
+    std::string wrong = readSceneNumber(token.text, numbers.values[count]);
+    if (!wrong.empty()) {
+      if (count < needed) fail(token.offset, std::move(wrong));
+      numbers.values[count] = std::numeric_limits<double>::quiet_NaN();
+    }
+    numbers.offsets[count++] = token.offset;
+  }
+  const size_t end = peek().offset;
+  if (count < needed) fail(end, tooShort(count, form));
+  for (; count < most; ++count) {
+    numbers.values[count] = std::numeric_limits<double>::quiet_NaN();
+    numbers.offsets[count] = end;
+  }
+  return numbers;
+}
+
+void Lines::noteUnknown(const Token& word) {
+  if (!firstUnknown) firstUnknown = word;
+  notes.add(kUnknown, word.offset, quoted(word.text));
 }
 
 glm::dvec3 Lines::readColor(const Numbers& numbers, size_t first) {

@@ -5,10 +5,12 @@
 #include <cstddef>
 #include <glm/vec3.hpp>
 #include <initializer_list>
+#include <optional>
 #include <string>
 #include <string_view>
 
 #include "base/diagnostics.h"
+#include "scene/counted_notes.h"
 #include "scene/text_scanner.h"
 
 namespace turner::nff {
@@ -35,7 +37,7 @@ struct Broken {};
 
 class Lines : public TextScanner {
  public:
-  Lines(const std::string& path, std::string_view text) : TextScanner(text), faults(path, text) {}
+  Lines(const std::string& path, std::string_view text) : TextScanner(text), faults(path, text), notes(path, text) {}
 
   // Adds a fault and throws Broken.
   [[noreturn]] void fail(size_t offset, std::string message);
@@ -47,9 +49,17 @@ class Lines : public TextScanner {
   // message, as "s x y z radius".
   Numbers readNumbers(std::initializer_list<size_t> allowed, std::string_view form);
 
+  // The same for `most` numbers of which those behind the first `needed` may be missing or wrong: they are NaN then.
+  Numbers readNumbers(size_t needed, size_t most, std::string_view form);
+
   glm::dvec3 readColor(const Numbers& numbers, size_t first);
 
+  // Counts an entity or a line of a view that is unknown.
+  void noteUnknown(const Token& word);
+
   Diagnostics faults;
+  CountedNotes notes;
+  std::optional<Token> firstUnknown;
   bool atLineStart = false;  // whether the current line is still to be looked at
 };
 

@@ -36,7 +36,8 @@ Numbers readViewLine(Lines& lines, size_t index) {
     case 3:
       return lines.readNumbers({1}, "angle degrees");
     case 4:
-      return lines.readNumbers({1}, "hither distance");
+      lines.passRest();  // not looked at
+      return {};
     default:
       return lines.readNumbers({2}, "resolution width height");
   }
@@ -44,17 +45,14 @@ Numbers readViewLine(Lines& lines, size_t index) {
 
 // Reads up to the next entity. False at the end of the file; `broken` becomes true where a line is wrong.
 bool readViewLines(Lines& lines, ViewLines& given, bool& broken) {
-  bool saidUnknown = false;
   while (lines.nextLine() && lines.faults.count() < kMostFaults) {
     if (isEntity(lines.peek().text)) return true;
     const Token name = lines.next();
     const size_t index = viewWordIndex(name.text);
     try {
       if (index == kViewWords.size()) {
-        if (std::exchange(saidUnknown, true)) continue;
-        lines.fail(name.offset,
-                   "found " + quoted(name.text) +
-                       " in a view; allowed are from, at, up, angle, hither, resolution and entities behind them");
+        lines.noteUnknown(name);
+        continue;
       }
       if (given[index]) lines.fail(name.offset, quoted(name.text) + " stands twice in this view; allowed is once");
       given[index] = readViewLine(lines, index);

@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <future>
 #include <glm/vec3.hpp>
-#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -20,6 +20,7 @@
 #include "scene/nff/nff_lines.h"
 #include "scene/nff/nff_view.h"
 #include "scene/nff/primitive_counts.h"
+#include "scene/plain_text.h"
 #include "scene/polygon/polygon.h"
 #include "scene/text_scanner.h"
 
@@ -28,13 +29,22 @@ namespace {
 
 using nff::Broken, nff::isEntity, nff::kMostFaults, nff::Numbers;
 
+constexpr NoteKind kNoDirection{"polygon has a normal without a direction and is flat",
+                                "polygons have a normal without a direction and are flat"};
+constexpr NoteKind kFewCorners{"polygon of fewer than 3 corners was dropped",
+                               "polygons of fewer than 3 corners were dropped"};
+constexpr NoteKind kNoArea{"polygon without area was dropped", "polygons without area were dropped"};
+constexpr NoteKind kCrossing{"polygon crosses or overlaps itself and was cut into triangles anyhow",
+                             "polygons cross or overlap themselves and were cut into triangles anyhow"};
+
 constexpr const char* kTooFlat =
     "the radii differ by more than 1e5 times the distance of base and apex; a polygon is a disc, and longer cones are "
     "allowed";
 
 class NffParser {
  public:
-  NffParser(const std::string& path, std::string_view text) : lines_(path, text) {
+  // `bytes` are those of the file, `text` is what was read of them.
+  NffParser(const std::string& path, std::string_view bytes, std::string_view text) : lines_(path, text) {
     const nff::PrimitiveCounts counts = nff::countPrimitives(text);
     reservePrefaulted(result_.scene.spheres, counts.spheres);
     reservePrefaulted(result_.scene.cones, counts.cones);
@@ -44,7 +54,7 @@ class NffParser {
     const std::filesystem::path file(path);
     result_.scene.name = file.stem().string();
     result_.scene.sources = {{file.filename().string(), ""}};
-    hash_ = std::async(sha256Hex, text);  // beside the parser, on another core
+    hash_ = std::async(sha256Hex, bytes);  // beside the parser, on another core
   }
 
   ParsedScene parse() {
@@ -56,9 +66,10 @@ class NffParser {
       }
       more = parseEntity() || lines_.skipToEntity();
     }
+    if (lines_.firstUnknown && !hasEntities_) refuseUnknown(*lines_.firstUnknown);
     lines_.faults.throwIfAny();
     colorLights();
-    noteDroppedPolygons();
+    result_.scene.notes = lines_.notes.lines();
     result_.scene.sources[0].sha256 = hash_.get();
     return std::move(result_);
   }
@@ -69,6 +80,7 @@ class NffParser {
   bool parseEntity() {
     const Token word = lines_.next();
     lines_.atLineStart = false;
+    hasEntities_ |= isEntity(word.text);
     try {
       if (word.text == "s") {
         parseSphere(word);
@@ -88,7 +100,7 @@ class NffParser {
         return nff::parseView(lines_, word,
                               result_);  // it ends where another entity begins, so it has gone to that line already
       } else {
-        failUnknown(word);
+        return passUnknown(word);
       }
     } catch (const Broken&) {
       // Behind an entity of one line the next one stands for itself. What follows a broken polygon or an unknown word
@@ -99,19 +111,37 @@ class NffParser {
     return lines_.nextLine();
   }
 
-  [[noreturn]] void failUnknown(const Token& word) {
+  void refuseUnknown(const Token& word) {
+    lines_.faults.add(word.offset, "unknown entity " + quoted(word.text) +
+                                       "; allowed are b, c, f, l, p, pp, s, v and comments with #, of which the file " +
+                                       "has none");
+  }
+
+  // Passes over an unknown entity and the lines of numbers below, which are its own. False at the end of the file.
+  bool passUnknown(const Token& word) {
     if (nff::isViewWord(word.text)) {
       lines_.fail(word.offset, quoted(word.text) + " stands outside a view; it belongs below a 'v' line");
     }
     double number;
-    if (parseNumber(word.text, number) != NumberFault::notANumber) {
+    const auto isNumber = [&](const Token& token) {
+      return parseNumber(token.text, number) != NumberFault::notANumber;
+    };
+    if (isNumber(word)) {
       lines_.fail(word.offset,
                   "found the number " + quoted(word.text) +
                       " where an entity should begin; allowed are b, c, f, l, p, pp, s, v and comments with #" +
                       " (a polygon above may announce fewer corners than it has)");
     }
-    lines_.fail(word.offset,
-                "unknown entity " + quoted(word.text) + "; allowed are b, c, f, l, p, pp, s, v and comments with #");
+    std::string lower(word.text.substr(0, 3));
+    std::transform(lower.begin(), lower.end(), lower.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+    if (isEntity(lower)) {
+      lines_.fail(word.offset, "unknown entity " + quoted(word.text) + ", did you mean '" + lower + "'?");
+    }
+    lines_.noteUnknown(word);
+    while (lines_.nextLine()) {
+      if (!isNumber(lines_.peek())) return true;
+    }
+    return false;
   }
 
   void parseBackground(const Token& word) {
@@ -142,7 +172,7 @@ class NffParser {
     // Even a wrong material is one: the objects behind it shall not be reported too.
     Material& material = result_.scene.materials.emplace_back();
     material.name = "f" + std::to_string(result_.scene.materials.size());
-    const Numbers numbers = lines_.readNumbers({8}, "f r g b Kd Ks Shine T ior");
+    const Numbers numbers = lines_.readNumbers(7, 8, "f r g b Kd Ks Shine T ior");
     const glm::dvec3 color = lines_.readColor(numbers, 0);
     const auto readShare = [&](size_t i, const char* name, double most, const char* allowed) {
       if (numbers[i] < 0 || numbers[i] > most) {
@@ -156,7 +186,9 @@ class NffParser {
     material.shininess = readShare(5, "Shine", kLargestNumber, "from 0");
     material.transmit = readShare(6, "T", 1, "from 0 to 1");
     if (material.transmit > 0) {
-      if (numbers[7] <= 0) lines_.fail(numbers.offsets[7], "the index of refraction must be greater than 0 where T is");
+      if (!(numbers[7] > 0)) {
+        lines_.fail(numbers.offsets[7], "the index of refraction must be a number greater than 0 where T is");
+      }
       material.eta = numbers[7];
     }
   }
@@ -183,14 +215,13 @@ class NffParser {
   // The number of corners that a polygon announces.
   size_t readCornerCount(const char* form) {
     const Token token = lines_.next();
-    const std::string allowed = std::string("; allowed is ") + form + " with a whole number n from 3";
+    const std::string allowed = std::string("; allowed is ") + form + " with a whole number n";
     if (token.text.empty()) lines_.fail(token.offset, "the number of corners is missing" + allowed);
     long long count = 0;
     if (parseInteger(token.text, count) == NumberFault::notANumber) {
       lines_.fail(token.offset, quoted(token.text) + " is not a number of corners" + allowed);
     }
-    if (token.text.starts_with('-') ||
-        (count < 3 && count >= 0 && parseInteger(token.text, count) == NumberFault::none)) {
+    if (token.text.starts_with('-')) {
       lines_.fail(token.offset, "a polygon of " + std::string(token.text.substr(0, 20)) + " corners" + allowed);
     }
     const Token extra = lines_.next();
@@ -223,43 +254,35 @@ class NffParser {
     std::vector<glm::dvec3>& normals = cornerNormals_;
     corners.clear();
     normals.clear();
+    bool haveDirections = true;
     for (size_t i = 0; i < count; ++i) {
       goToCorner(word, i, count);
-      const Numbers numbers = smooth ? lines_.readNumbers({6}, "x y z nx ny nz") : lines_.readNumbers({3}, "x y z");
+      const Numbers numbers = smooth ? lines_.readNumbers(3, 6, "x y z nx ny nz") : lines_.readNumbers({3}, "x y z");
       corners.push_back(numbers.vector(0));
       if (!smooth) continue;
-      normals.push_back(numbers.vector(3));
-      if (normals.back() == glm::dvec3(0)) lines_.fail(numbers.offsets[3], "a normal must not be 0 0 0");
+      const glm::dvec3 normal = normals.emplace_back(numbers.vector(3));
+      haveDirections &= normal == normal && normal != glm::dvec3(0);  // NaN equals nothing
     }
 
     const uint32_t material = currentMaterial(word);
-    const auto triangles = triangulate(word);
-    if (triangles.empty()) ++polygonsWithoutArea_;
+    CountedNotes& notes = lines_.notes;
+    if (count < 3) return notes.add(kFewCorners, word.offset);
+    const CutPolygon polygon = triangulatePolygon(corners);
+    if (polygon.triangles.empty()) return notes.add(kNoArea, word.offset);
+    if (polygon.crossesItself) notes.add(kCrossing, word.offset);
+    if (!haveDirections) {
+      notes.add(kNoDirection, word.offset);
+      normals.clear();
+    }
     Scene& scene = result_.scene;
     const uint32_t position = uint32_t(scene.positions.size()), normal = uint32_t(scene.normals.size());
-    for (const auto& [a, b, c] : triangles) {
+    for (const auto& [a, b, c] : polygon.triangles) {
       Triangle triangle{.positions = {position + a, position + b, position + c}, .material = material};
-      if (smooth) triangle.normals = {normal + a, normal + b, normal + c};
+      if (!normals.empty()) triangle.normals = {normal + a, normal + b, normal + c};
       scene.triangles.push_back(triangle);
     }
-    if (triangles.empty()) return;
     scene.positions.insert(scene.positions.end(), corners.begin(), corners.end());
     scene.normals.insert(scene.normals.end(), normals.begin(), normals.end());
-  }
-
-  std::vector<std::array<uint32_t, 3>> triangulate(const Token& word) {
-    try {
-      return triangulatePolygon(corners_);
-    } catch (const std::invalid_argument& reason) {
-      lines_.fail(word.offset, std::string(reason.what()) + "; allowed are polygons whose edges meet at corners only");
-    }
-  }
-
-  void noteDroppedPolygons() {
-    if (polygonsWithoutArea_ == 0) return;
-    result_.scene.notes.push_back(std::to_string(polygonsWithoutArea_) + (polygonsWithoutArea_ == 1
-                                                                              ? " polygon without area was dropped"
-                                                                              : " polygons without area were dropped"));
   }
 
   // Its two ends stand on the line of the `c`, or on the two lines below.
@@ -300,17 +323,18 @@ class NffParser {
   nff::Lines lines_;
   ParsedScene result_;
   std::future<std::string> hash_;
+  bool hasEntities_ = false;
   bool hasBackground_ = false;
   bool saidNoMaterial_ = false;
-  size_t polygonsWithoutArea_ = 0;
   std::vector<size_t> lightsWithoutColor_;
   std::vector<glm::dvec3> corners_, cornerNormals_;  // of the polygon being read; kept for their memory
 };
 
 }  // namespace
 
-ParsedScene parseNffScene(const std::string& path, std::string_view text) {
-  return NffParser(path, text).parse();
+ParsedScene parseNffScene(const std::string& path, std::string_view bytes) {
+  const PlainText text(path, bytes);
+  return NffParser(path, bytes, text.view()).parse();
 }
 
 }  // namespace turner

@@ -9,6 +9,6 @@
 namespace turner {
 
 // Throws InputError with all faults, each at its line and column of `path`.
-ParsedScene parseNffScene(const std::string& path, std::string_view text);
+ParsedScene parseNffScene(const std::string& path, std::string_view bytes);
 
 }  // namespace turner

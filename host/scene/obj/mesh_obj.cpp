@@ -1,70 +1,38 @@
-// In: the text of an OBJ file. Out: its mesh. What says nothing about the shape is passed over.
+// In: the text of an OBJ file. Out: its mesh. What says nothing about the shape is passed over; what
+// is wrong and only shades, or belongs to no face, is counted in notes.
 #include "scene/obj/mesh_obj.h"
 
 #include <algorithm>
 #include <cstdint>
-#include <stdexcept>
+#include <optional>
 #include <utility>
 
 #include "base/diagnostics.h"
 #include "base/errors.h"
 #include "base/number.h"
 #include "base/reserve.h"
+#include "scene/counted_notes.h"
+#include "scene/obj/obj_notes.h"
+#include "scene/obj/obj_words.h"
+#include "scene/obj/statement_counts.h"
+#include "scene/plain_text.h"
 #include "scene/polygon/polygon.h"
 #include "scene/text_scanner.h"
 
 namespace turner {
 
-namespace {
+using namespace obj;
 
-// Statements that do not change the shape of the faces: texture, grouping, display.
-const std::vector<std::string> kPassedOver{"vt",     "vp",       "o",        "g",   "s",          "mg",
-                                           "usemtl", "mtllib",   "l",        "p",   "bevel",      "usemap",
-                                           "maplib", "c_interp", "d_interp", "lod", "shadow_obj", "trace_obj"};
-// Statements that do, in ways that Turner does not know: free-form curves and surfaces, also in their older spelling,
-// and calls of other files or programs.
-const std::vector<std::string> kNotSupported{"cstype", "deg",  "bmat", "step", "curv", "curv2", "surf",
-                                             "parm",   "trim", "hole", "scrv", "sp",   "end",   "con",
-                                             "bzp",    "bsp",  "cdc",  "cdp",  "res",  "call",  "csh"};
+namespace {
 
 // A file that is not OBJ at all would be wrong in every line; nobody reads further than this.
 constexpr size_t kMostFaults = 100;
 
-bool contains(const std::vector<std::string>& words, std::string_view word) {
-  return std::find(words.begin(), words.end(), word) != words.end();
-}
-
-struct Counts {
-  size_t vertices = 0, normals = 0, faces = 0;
-};
-
-// How much room the mesh will need: at least, since lines may be indented and faces may have more than three corners.
-Counts countStatements(std::string_view text) {
-  Counts counts;
-  for (size_t at = 0; at + 1 < text.size();) {
-    if (text[at] == 'f') {
-      ++counts.faces;
-    } else if (text[at] == 'v') {
-      if (text[at + 1] == 'n') {
-        ++counts.normals;
-      } else if (text[at + 1] != 't') {
-        ++counts.vertices;
-      }
-    }
-    const size_t lineEnd = text.find('\n', at);
-    if (lineEnd == std::string_view::npos) break;
-    at = lineEnd + 1;
-  }
-  // A file of lines that are cut off must not take more memory than a right one of its size.
-  const size_t most = text.size() / std::string_view("v 0 0 0\n").size();
-  return {std::min(counts.vertices, most), std::min(counts.normals, most), std::min(counts.faces, most)};
-}
-
 class ObjParser {
  public:
   ObjParser(const std::string& path, std::string_view text)
-      : lines_(text, TextScanner::Continuation::backslash), faults_(path, text), size_(text.size()) {
-    const Counts counts = countStatements(text);
+      : text_(text), lines_(text, kContinuation), faults_(path, text), notes_(path, text) {
+    const StatementCounts counts = countStatements(text);
     reservePrefaulted(mesh_.positions, counts.vertices);
     reservePrefaulted(mesh_.normals, counts.normals);
     reservePrefaulted(mesh_.faces, counts.faces);
@@ -82,19 +50,36 @@ class ObjParser {
         // Reported; the next line does not depend on this one.
       }
     }
-    if (!hasFaces_ && faults_.empty())
-      faults_.add(size_, "the mesh has no faces; at least one 'f' line must stand in it");
+    if (!hasFaces_ && faults_.empty()) failWithoutFaces();
     faults_.throwIfAny();
+    for (const UnusableVertex& vertex : unusable_) {
+      if (!vertex.isTold) notes_.add(kUnusedVertices, vertex.offset);
+    }
+    mesh_.notes = notes_.lines();
     return std::move(mesh_);
   }
 
  private:
+  static constexpr TextScanner::Continuation kContinuation = TextScanner::Continuation::backslash;
+  static constexpr uint32_t kNone = UINT32_MAX;
+
   // What a fault in a statement throws, to leave it at once.
   struct Broken {};
+  struct Fault {
+    size_t offset;
+    std::string message;
+  };
 
   struct Corner {
     uint32_t vertex = 0;
-    uint32_t normal = UINT32_MAX;
+    uint32_t normal = kNone;
+  };
+
+  // A vertex that is no three numbers: a fault once a face has it.
+  struct UnusableVertex {
+    size_t offset;  // of its statement
+    uint32_t index;
+    bool isTold = false;
   };
 
   [[noreturn]] void fail(size_t offset, std::string message) {
@@ -102,93 +87,131 @@ class ObjParser {
     throw Broken();
   }
 
+  void failWithoutFaces() {
+    if (firstUnknown_) {
+      faults_.add(firstUnknown_->offset, "unknown statement " + quoted(firstUnknown_->text) +
+                                             ", and no faces in the whole file; a mesh has lines v x y z and f 1 2 3");
+    } else {
+      faults_.add(text_.size(), "the mesh has no faces; at least one 'f' line of 3 corners must stand in it");
+    }
+  }
+
   void parseStatement() {
     const Token word = lines_.next();
+    const bool continues = std::exchange(passedOverContinues_, false);
     if (word.text == "v") {
-      parseVertex();
+      parseVertex(word);
     } else if (word.text == "vn") {
-      parseNormal();
-    } else if (word.text == "f") {
+      parseNormal(word);
+    } else if (word.text == "f" || word.text == "fo") {  // fo: the same in old files
       parseFace(word);
-    } else if (!contains(kPassedOver, word.text)) {
-      failUnknown(word);
+    } else {
+      passOver(word, continues);
     }
   }
 
-  [[noreturn]] void failUnknown(const Token& word) {
-    if (contains(kNotSupported, word.text)) {
-      fail(word.offset, quoted(word.text) + " is not supported; allowed are meshes of v, vn and f, without free-form " +
-                            "curves and surfaces");
+  // What is passed over ends with its line. A backslash at its end may belong to a name; where it does not, the next
+  // line is unknown, and belongs to this one.
+  void passOver(const Token& word, bool continuesLast) {
+    switch (kindOf(word.text)) {
+      case WordKind::passedOver:
+        break;
+      case WordKind::material:
+        notes_.add(kMaterialLines, word.offset);
+        break;
+      case WordKind::notSupported:
+        fail(word.offset, quoted(word.text) +
+                              " is not supported; allowed are meshes of v, vn and f, without free-form " +
+                              "curves and surfaces");
+      case WordKind::miswritten:
+        fail(word.offset, "unknown statement " + quoted(word.text) + ", did you mean '" + nearestWord(word.text) +
+                              "'?; capital letters count");
+      case WordKind::unknown:
+        if (!continuesLast) noteUnknown(word);
     }
-    std::vector<std::string> known{"v", "vn", "f"};
-    known.insert(known.end(), kPassedOver.begin(), kPassedOver.end());
-    const std::string nearest = nearestName(word.text, known);
-    fail(word.offset, "unknown statement " + quoted(word.text) +
-                          (nearest.empty() ? "" : ", did you mean '" + nearest + "'?") +
-                          "; allowed are v, vn, f and what says nothing about the shape (vt, o, g, s, usemtl, ...)");
+    passedOverContinues_ = lines_.passRest();
   }
 
-  glm::dvec3 readVector(const char* form) {
-    glm::dvec3 vector;
+  void noteUnknown(const Token& word) {
+    if (firstUnknown_) return notes_.add(kUnknown, word.offset);
+    firstUnknown_ = word;
+    const std::string nearest = nearestWord(word.text);
+    notes_.add(kUnknown, word.offset, quoted(word.text) + (nearest.empty() ? "" : ", did you mean '" + nearest + "'?"));
+  }
+
+  // Reads three numbers; what is wrong with them, if anything is.
+  static std::optional<Fault> readVector(TextScanner& lines, const char* form, glm::dvec3& vector) {
     for (int i = 0; i < 3; ++i) {
-      if (size_t offset; lines_.nextPlainNumber(vector[i], offset)) continue;
-      const Token token = lines_.next();
+      if (size_t offset; lines.nextPlainNumber(vector[i], offset)) continue;
+      const Token token = lines.next();
       if (token.text.empty()) {
-        fail(token.offset, "found " + std::to_string(i) + (i == 1 ? " number" : " numbers") +
-                               ", the line is too short; allowed is " + form);
+        return Fault{token.offset, "found " + std::to_string(i) + (i == 1 ? " number" : " numbers") +
+                                       ", the line is too short; allowed is " + form};
       }
       std::string wrong = readSceneNumber(token.text, vector[i]);
-      if (!wrong.empty()) fail(token.offset, std::move(wrong));
+      if (!wrong.empty()) return Fault{token.offset, std::move(wrong)};
     }
-    return vector;
+    return std::nullopt;
+  }
+
+  static constexpr const char* kVertexForm = "v x y z, a weight or a colour r g b or both behind it";
+
+  void parseVertex(const Token& word) {
+    mesh_.positions.emplace_back(0);  // even a wrong vertex counts, or the faces would be wrong too
+    if (readVector(lines_, kVertexForm, mesh_.positions.back())) {
+      unusable_.push_back({word.offset, uint32_t(mesh_.positions.size() - 1)});
+      return;
+    }
+    if (!lines_.atLineEnd()) passVertexExtras(word);
   }
 
   // The numbers that may stand behind a vertex are passed over: a weight, or a colour, or both.
-  void parseVertex() {
-    constexpr const char* kForm = "v x y z, a weight or a colour r g b or both behind it";
-    mesh_.positions.emplace_back(0);  // even a wrong vertex counts, or the faces would be wrong too
-    mesh_.positions.back() = readVector(kForm);
-    if (lines_.atLineEnd()) return;
+  void passVertexExtras(const Token& vertex) {
     int extra = 0;
-    Token token = lines_.next();
-    for (; !token.text.empty() && extra < 4; token = lines_.next(), ++extra) {
+    bool areNumbers = true;
+    for (Token token = lines_.next(); !token.text.empty(); token = lines_.next(), ++extra) {
+      if (token.text == "v" || token.text == "vn" || token.text == "f") {
+        fail(token.offset, quoted(token.text) + " begins a statement; it must stand on a line of its own");
+      }
       double ignored;
-      std::string wrong = readSceneNumber(token.text, ignored);
-      if (!wrong.empty()) fail(token.offset, std::move(wrong));
+      areNumbers &= parseNumber(token.text, ignored) == NumberFault::none;
     }
-    if (!token.text.empty() || extra == 2) {
-      fail(token.offset, std::string("the vertex has too many or too few numbers; allowed is ") + kForm);
-    }
+    if (!areNumbers || extra == 2 || extra > 4) notes_.add(kVertexExtras, vertex.offset);
   }
 
-  void parseNormal() {
-    constexpr const char* kForm = "vn x y z";
+  void parseNormal(const Token& word) {
     mesh_.normals.emplace_back(0);
-    const size_t start = lines_.peek().offset;
-    const glm::dvec3 normal = readVector(kForm);
-    if (const Token extra = lines_.next(); !extra.text.empty()) {
-      fail(extra.offset, "more on the line than expected: " + quoted(extra.text) + "; allowed is " + kForm);
+    glm::dvec3 normal;
+    if (readVector(lines_, "vn x y z", normal) || normal == glm::dvec3(0)) {
+      hasNormalsWithoutDirection_ = true;
+      notes_.add(kNoDirection, word.offset);
+      return;
     }
-    if (normal == glm::dvec3(0)) fail(start, "a normal must not be 0 0 0");
     mesh_.normals.back() = normal;
+    if (!lines_.atLineEnd()) notes_.add(kNormalExtras, word.offset);
   }
 
-  // An index as the file gives it, from 1 or from the end, as an index from 0.
-  uint32_t resolve(const Token& place, std::string_view text, size_t count, const char* what) {
+  static constexpr const char* kCornerForms = " is not a corner; allowed are v, v/vt, v//vn and v/vt/vn, whole numbers";
+
+  // An index as the file gives it, from 1 or from the end, as an index from 0; kNone if there is none such.
+  static uint32_t resolve(std::string_view text, size_t count) {
     long long index = 0;
-    const NumberFault fault = parseInteger(text, index);
-    if (fault == NumberFault::notANumber) {
-      fail(place.offset,
-           quoted(place.text) + " is not a corner; allowed are v, v/vt, v//vn and v/vt/vn, whole numbers");
-    }
     const auto known = (long long)count;
-    if (fault == NumberFault::none && index != 0 && index >= -known && index <= known) {
-      return uint32_t(index > 0 ? index - 1 : known + index);
-    }
-    const std::string range = known == 0 ? "none stands before this face"
-                                         : "allowed are 1 to " + std::to_string(known) + ", and -1 to -" +
-                                               std::to_string(known) + " counted back from here";
-    fail(place.offset, "there is no " + std::string(what) + " " + quoted(text) + "; " + range);
+    if (parseInteger(text, index) != NumberFault::none || index == 0 || index < -known || index > known) return kNone;
+    return uint32_t(index > 0 ? index - 1 : known + index);
+  }
+
+  uint32_t resolveVertex(const Token& place, std::string_view text) {
+    const size_t count = mesh_.positions.size();
+    const uint32_t vertex = resolve(text, count);
+    if (vertex != kNone) return vertex;
+    long long ignored;
+    if (parseInteger(text, ignored) == NumberFault::notANumber) fail(place.offset, quoted(place.text) + kCornerForms);
+    const std::string known = std::to_string(count);
+    fail(place.offset,
+         "there is no vertex " + quoted(text) + "; " +
+             (count == 0 ? "none stands before this face"
+                         : "allowed are 1 to " + known + ", and -1 to -" + known + " counted back from here"));
   }
 
   // Reads a corner without signs whose indices exist, as almost all are. False for any other.
@@ -205,7 +228,7 @@ class ObjParser {
     };
     const uint32_t vertex = readIndex();
     if (vertex == 0 || vertex > mesh_.positions.size()) return false;
-    corner = {vertex - 1, UINT32_MAX};
+    corner = {vertex - 1, kNone};
     if (at == end) return true;
     if (*at++ != '/') return false;
     readIndex();  // the texture coordinate is not used
@@ -218,49 +241,75 @@ class ObjParser {
     return true;
   }
 
+  // A normal that does not exist is none. The texture coordinate is not looked at.
   Corner readCorner(const Token& token) {
     if (Corner corner; readPlainCorner(token.text, corner)) return corner;
     std::array<std::string_view, 3> parts;
     size_t count = 0;
     for (std::string_view rest = token.text;; ++count) {
-      if (count == parts.size()) {
-        fail(token.offset, quoted(token.text) + " is not a corner; allowed are v, v/vt, v//vn and v/vt/vn");
-      }
+      if (count == parts.size()) fail(token.offset, quoted(token.text) + kCornerForms);
       const size_t slash = rest.find('/');
       parts[count] = rest.substr(0, slash);
       if (slash == std::string_view::npos) break;
       rest.remove_prefix(slash + 1);
     }
     Corner corner;
-    corner.vertex = resolve(token, parts[0], mesh_.positions.size(), "vertex");
-    // The texture coordinate is not used, but it must be one.
-    long long ignored;
-    if (!parts[1].empty() && parseInteger(parts[1], ignored) == NumberFault::notANumber) {
-      fail(token.offset,
-           quoted(token.text) + " is not a corner; allowed are v, v/vt, v//vn and v/vt/vn, whole numbers");
+    corner.vertex = resolveVertex(token, parts[0]);
+    if (!parts[2].empty()) {
+      corner.normal = resolve(parts[2], mesh_.normals.size());
+      lacksNormal_ |= corner.normal == kNone;
     }
-    if (!parts[2].empty()) corner.normal = resolve(token, parts[2], mesh_.normals.size(), "normal");
     return corner;
   }
 
   void parseFace(const Token& word) {
-    hasFaces_ = true;
     corners_.clear();
+    lacksNormal_ = false;
     for (Token token = lines_.next(); !token.text.empty(); token = lines_.next()) {
       corners_.push_back(readCorner(token));
-      if ((corners_.back().normal == UINT32_MAX) != (corners_.front().normal == UINT32_MAX)) {
-        fail(token.offset, "some corners of this face have a normal and some have none; allowed is all or none");
-      }
+      lacksNormal_ |= (corners_.back().normal == kNone) != (corners_.front().normal == kNone);
     }
-    if (corners_.size() < 3) {
-      fail(word.offset, "a face of " + std::to_string(corners_.size()) +
-                            (corners_.size() == 1 ? " corner" : " corners") + "; allowed are 3 and more");
+    if (corners_.size() < 3) return notes_.add(kFewCorners, word.offset);
+    hasFaces_ = true;
+    if (!unusable_.empty()) refuseUnusableVertices();
+    if (lacksNormal_) notes_.add(kNormalsMissing, word.offset);
+    if (lacksNormal_ || (hasNormalsWithoutDirection_ && hasNormalWithoutDirection())) {
+      for (Corner& corner : corners_) corner.normal = kNone;
     }
     if (corners_.size() == 3) {
       addFace(0, 1, 2);
     } else {
-      for (const auto& [a, b, c] : triangulate(word)) addFace(a, b, c);
+      addPolygon(word);
     }
+  }
+
+  bool hasNormalWithoutDirection() const {
+    return std::any_of(corners_.begin(), corners_.end(), [&](const Corner& corner) {
+      return corner.normal != kNone && mesh_.normals[corner.normal] == glm::dvec3(0);
+    });
+  }
+
+  // Tells of each such vertex once.
+  void refuseUnusableVertices() {
+    bool isBroken = false;
+    for (const Corner& corner : corners_) {
+      const auto found = std::lower_bound(unusable_.begin(), unusable_.end(), corner.vertex,
+                                          [](const UnusableVertex& v, uint32_t index) { return v.index < index; });
+      if (found == unusable_.end() || found->index != corner.vertex) continue;
+      isBroken = true;
+      if (!std::exchange(found->isTold, true)) addFaultOf(found->offset);
+    }
+    if (isBroken) throw Broken();
+  }
+
+  // Reads a vertex again, to tell what is wrong with it.
+  void addFaultOf(size_t vertex) {
+    TextScanner line(text_.substr(vertex), kContinuation);
+    line.nextLine();
+    line.next();
+    glm::dvec3 ignored;
+    if (std::optional<Fault> fault = readVector(line, kVertexForm, ignored))
+      faults_.add(vertex + fault->offset, std::move(fault->message));
   }
 
   void addFace(uint32_t a, uint32_t b, uint32_t c) {
@@ -268,31 +317,35 @@ class ObjParser {
     mesh_.faces.push_back({{first.vertex, second.vertex, third.vertex}, {first.normal, second.normal, third.normal}});
   }
 
-  std::vector<std::array<uint32_t, 3>> triangulate(const Token& word) {
+  void addPolygon(const Token& word) {
     positions_.clear();
     for (const Corner& corner : corners_) positions_.push_back(mesh_.positions[corner.vertex]);
-    try {
-      return triangulatePolygon(positions_);
-    } catch (const std::invalid_argument& reason) {
-      // A vertex that is wrong itself stands at the origin for now: what becomes of its faces says nothing.
-      if (!faults_.empty()) throw Broken();
-      fail(word.offset, std::string(reason.what()) + "; allowed are polygons whose edges meet at corners only");
-    }
+    const CutPolygon polygon = triangulatePolygon(positions_);
+    if (polygon.crossesItself) notes_.add(kCrossing, word.offset);
+    if (polygon.triangles.empty()) notes_.add(kNoArea, word.offset);
+    for (const auto& [a, b, c] : polygon.triangles) addFace(a, b, c);
   }
 
+  std::string_view text_;
   TextScanner lines_;
   Diagnostics faults_;
-  size_t size_;
-  bool hasFaces_ = false;
+  CountedNotes notes_;
   Mesh mesh_;
-  std::vector<Corner> corners_;        // of the face being read; kept for their memory
-  std::vector<glm::dvec3> positions_;  // likewise
+  bool hasFaces_ = false;
+  bool hasNormalsWithoutDirection_ = false;
+  bool passedOverContinues_ = false;      // the last statement was passed over and ended in a backslash
+  std::optional<Token> firstUnknown_;     // statement
+  std::vector<UnusableVertex> unusable_;  // by index
+  std::vector<Corner> corners_;           // of the face being read; kept for their memory
+  bool lacksNormal_ = false;              // of the face being read, at some corners
+  std::vector<glm::dvec3> positions_;     // likewise
 };
 
 }  // namespace
 
-Mesh parseObj(const std::string& path, std::string_view text) {
-  return ObjParser(path, text).parse();
+Mesh parseObj(const std::string& path, std::string_view bytes) {
+  const PlainText text(path, bytes);
+  return ObjParser(path, text.view()).parse();
 }
 
 }  // namespace turner

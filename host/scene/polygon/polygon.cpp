@@ -1,58 +1,52 @@
 // In: the corners of a polygon in space. Out: triangles over them. The polygon is projected along the axis to which its
-// normal is closest, by dropping that coordinate: the points of the plane are then the input's own numbers. Outlines
-// that touch themselves go to GEOS, whose triangles are matched to corners by equality.
+// normal is closest, by dropping that coordinate: the points of the plane are then the input's own numbers. Where it is
+// warped and that turns a triangle over or loses a corner, it is projected along the normal itself.
 #include "scene/polygon/polygon.h"
 
-#include <geos_c.h>
-
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <glm/geometric.hpp>
 #include <map>
-#include <memory>
-#include <set>
-#include <stdexcept>
-#include <string>
+#include <optional>
+#include <tuple>
 #include <utility>
 
-#include "scene/polygon/plane.h"
+#include "scene/polygon/outline.h"
 #include "scene/polygon/simple_polygon.h"
+#include "scene/polygon/touching_polygon.h"
 
 namespace turner {
 
 namespace {
 
-using Triangle3 = std::array<uint32_t, 3>;
-using Edge = std::pair<PlanePoint, PlanePoint>;
+using Corners = std::span<const glm::dvec3>;
+using Triangles = std::vector<Triangle3>;
 
-// GEOS wants one context for each thread. Its errors come back as null results, which are handled where they arise.
-GEOSContextHandle_t geos() {
-  struct Finish {
-    void operator()(GEOSContextHandle_HS* context) const { GEOS_finish_r(context); }
-  };
-  thread_local const std::unique_ptr<GEOSContextHandle_HS, Finish> context(GEOS_init_r());
-  if (!context) throw std::bad_alloc();
-  return context.get();
+// How a polygon lies in space. A power of two brings its size to about 1: that is exact, and products of very small or
+// large coordinates neither vanish nor overflow.
+struct Plane {
+  double scale;
+  glm::dvec3 normal;  // of the corners times `scale`, twice the area long (Newell's method)
+  int axis;           // to which the normal is closest
+
+  PlanePoint flatten(const glm::dvec3& corner) const {
+    return {scale * corner[(axis + 1) % 3], scale * corner[(axis + 2) % 3]};
+  }
+};
+
+int largest(const glm::dvec3& v) {
+  return v.x >= v.y && v.x >= v.z ? 0 : v.y >= v.z ? 1 : 2;
 }
 
-struct DestroyGeometry {
-  void operator()(GEOSGeometry* geometry) const { GEOSGeom_destroy_r(geos(), geometry); }
-};
-using Geometry = std::unique_ptr<GEOSGeometry, DestroyGeometry>;
-
-// The outline in the plane: points, and the corner that each of them is. No point equals its successor.
-struct Outline {
-  std::vector<PlanePoint> points;
-  std::vector<uint32_t> corners;
-
-  size_t size() const { return points.size(); }
-  size_t after(size_t i) const { return i + 1 == points.size() ? 0 : i + 1; }
-  size_t before(size_t i) const { return i == 0 ? points.size() - 1 : i - 1; }
-  int turn(size_t i) const { return orientation(points[before(i)], points[i], points[after(i)]); }
-};
-
-// The axis to which the normal of the polygon, times `scale`, is closest (Newell's method).
-int dominantAxis(std::span<const glm::dvec3> corners, double scale) {
+// At least one corner.
+Plane planeOf(Corners corners) {
+  double extent = 0;
+  for (const glm::dvec3& corner : corners) {
+    extent = std::max({extent, std::abs(corner.x), std::abs(corner.y), std::abs(corner.z)});
+  }
+  const double scale = extent > 0 ? std::scalbn(1.0, std::clamp(-std::ilogb(extent), -1000, 1000)) : 1;
   glm::dvec3 normal(0), magnitude(0);
   const glm::dvec3 first = scale * corners[0];
   for (size_t i = 1; i + 1 < corners.size(); ++i) {
@@ -60,40 +54,35 @@ int dominantAxis(std::span<const glm::dvec3> corners, double scale) {
     normal += part;
     magnitude += glm::abs(part);
   }
-  const auto largest = [](const glm::dvec3& v) { return v.x >= v.y && v.x >= v.z ? 0 : v.y >= v.z ? 1 : 2; };
   // Where the parts cancel (an outline like an 8), the sum is rounding noise and says nothing about the plane.
-  const glm::dvec3 absolute = glm::abs(normal);
-  const int axis = largest(absolute);
-  return absolute[axis] > 1e-12 * magnitude[largest(magnitude)] ? axis : largest(magnitude);
+  const int axis = largest(glm::abs(normal));
+  const bool cancels = !(std::abs(normal[axis]) > 1e-12 * magnitude[largest(magnitude)]);
+  return {scale, cancels ? glm::dvec3(0) : normal, cancels ? largest(magnitude) : axis};
 }
 
-// Drops the axis, keeping the orientation. A power of two brings the size to about 1: that is exact, and products of
-// very small or large coordinates neither vanish nor overflow.
-struct Projection {
-  double scale;
-  int first, second;  // the axes that are left
-
-  PlanePoint operator()(const glm::dvec3& corner) const { return {scale * corner[first], scale * corner[second]}; }
-};
-
-// At least one corner.
-Projection projectionOf(std::span<const glm::dvec3> corners) {
-  double extent = 0;
+// Whether the corners lie in a plane but for what rounding to double has moved them, or on a line: then they have no
+// normal.
+bool isPlanar(Corners corners, const Plane& plane) {
+  // Sizes are about 1, a double's step is 2e-16, and a height sums a few of them.
+  const double twiceArea = std::abs(plane.normal.x) + std::abs(plane.normal.y) + std::abs(plane.normal.z);
+  const double most = 4e-15 * twiceArea;
+  double length = 0;
+  bool hasHeight = false;
   for (const glm::dvec3& corner : corners) {
-    extent = std::max({extent, std::abs(corner.x), std::abs(corner.y), std::abs(corner.z)});
+    const glm::dvec3 step = plane.scale * corner - plane.scale * corners[0];
+    hasHeight |= std::abs(glm::dot(plane.normal, step)) > most;
+    length = std::max({length, std::abs(step.x), std::abs(step.y), std::abs(step.z)});
   }
-  const double scale = extent > 0 ? std::scalbn(1.0, std::clamp(-std::ilogb(extent), -1000, 1000)) : 1;
-  const int axis = dominantAxis(corners, scale);
-  return {scale, (axis + 1) % 3, (axis + 2) % 3};
+  return !hasHeight || twiceArea <= 1e-14 * double(corners.size()) * length;
 }
 
-Outline project(std::span<const glm::dvec3> corners) {
-  const Projection projection = projectionOf(corners);
-  Outline outline;
+// Without corners that are projected to the same point as the one before.
+FlatOutline flatten(Corners corners, const Plane& plane) {
+  FlatOutline outline;
   outline.points.reserve(corners.size());
   outline.corners.reserve(corners.size());
   for (uint32_t i = 0; i < corners.size(); ++i) {
-    const PlanePoint point = projection(corners[i]);
+    const PlanePoint point = plane.flatten(corners[i]);
     if (!outline.points.empty() && outline.points.back() == point) continue;
     outline.points.push_back(point);
     outline.corners.push_back(i);
@@ -105,12 +94,40 @@ Outline project(std::span<const glm::dvec3> corners) {
   return outline;
 }
 
+// The corners that differ from the one before.
+std::vector<uint32_t> distinctCorners(Corners corners) {
+  std::vector<uint32_t> distinct;
+  for (uint32_t i = 0; i < corners.size(); ++i) {
+    if (distinct.empty() || corners[i] != corners[distinct.back()]) distinct.push_back(i);
+  }
+  while (distinct.size() > 1 && corners[distinct.back()] == corners[distinct.front()]) distinct.pop_back();
+  return distinct;
+}
+
+TiltedOutline tilt(Corners corners, std::vector<uint32_t> distinct, const Plane& plane) {
+  TiltedOutline outline;
+  outline.corners = std::move(distinct);
+  outline.normal = plane.normal;
+  // Two axes across the normal, so that it points at who sees the first turn left into the second.
+  const glm::dvec3 normal = glm::normalize(plane.normal);
+  glm::dvec3 across(0);
+  across[(plane.axis + 1) % 3] = 1;
+  const glm::dvec3 second = glm::normalize(glm::cross(normal, across)), first = glm::cross(second, normal);
+  for (const uint32_t corner : outline.corners) {
+    const glm::dvec3 place = plane.scale * corners[corner];
+    outline.places.push_back(place);
+    outline.points.push_back({glm::dot(place, first), glm::dot(place, second)});
+  }
+  return outline;
+}
+
 // Whether a point runs to and fro along the outline just once: with turns to one side only, that is a convex polygon.
-bool windsOnce(const Outline& outline) {
+bool windsOnce(const std::vector<PlanePoint>& points) {
   int changes = 0;
-  for (size_t i = 0; i < outline.size(); ++i) {
-    const bool rises = outline.points[i] < outline.points[outline.after(i)];
-    const bool roseBefore = outline.points[outline.before(i)] < outline.points[i];
+  const size_t count = points.size();
+  for (size_t i = 0; i < count; ++i) {
+    const bool rises = points[i] < points[i + 1 == count ? 0 : i + 1];
+    const bool roseBefore = points[(i == 0 ? count : i) - 1] < points[i];
     changes += rises != roseBefore;
   }
   return changes == 2;
@@ -118,218 +135,148 @@ bool windsOnce(const Outline& outline) {
 
 // The fan from point 0, or nothing where a fan is not right: the polygon is not convex, or a straight corner beside
 // point 0 would be left out of all triangles, so that a neighbour that uses it would leave a crack.
-std::vector<Triangle3> fan(const Outline& outline) {
+template <class Outline>
+Triangles fan(const Outline& outline) {
   int side = 0;
-  for (size_t i = 0; i < outline.size(); ++i) {
-    const int turn = outline.turn(i);
+  for (uint32_t i = 0; i < outline.size(); ++i) {
+    const int turn = turnAt(outline, i);
     if (turn * side < 0) return {};
     if (turn != 0) side = turn;
   }
-  if (side == 0 || !windsOnce(outline)) return {};
-  std::vector<Triangle3> triangles;
+  if (side == 0 || !windsOnce(outline.points)) return {};
+  Triangles triangles;
   triangles.reserve(outline.size() - 2);
-  for (size_t i = 1; i + 1 < outline.size(); ++i) {
-    if (orientation(outline.points[0], outline.points[i], outline.points[i + 1]) != side) return {};
-    triangles.push_back({outline.corners[0], outline.corners[i], outline.corners[i + 1]});
+  for (uint32_t i = 1; i + 1 < outline.size(); ++i) {
+    if (outline.orientation(0, i, i + 1) != side) return {};
+    triangles.push_back({0, i, i + 1});
   }
   return triangles;
 }
 
+template <class Outline>
 bool isCollinear(const Outline& outline) {
-  for (size_t i = 0; i < outline.size(); ++i) {
-    if (outline.turn(i) != 0) return false;
+  for (uint32_t i = 0; i < outline.size(); ++i) {
+    if (turnAt(outline, i) != 0) return false;
   }
   return true;
 }
 
-// Whether all points lie on one line but for what rounding to double has moved them.
-bool isCollinearButForRounding(const Outline& outline) {
-  const PlanePoint a = *std::min_element(outline.points.begin(), outline.points.end());
-  const PlanePoint b = *std::max_element(outline.points.begin(), outline.points.end());
-  // Sizes are about 1 here (project), a double's step is 2e-16, and a distance sums a few of them.
-  const double length = std::hypot(b.x - a.x, b.y - a.y);
-  return std::all_of(outline.points.begin(), outline.points.end(), [&](PlanePoint p) {
-    return std::abs((b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x)) <= 2e-15 * length;
+template <class Outline>
+void nameCorners(const Outline& outline, Triangles& triangles) {
+  for (Triangle3& triangle : triangles) {
+    for (uint32_t& point : triangle) point = outline.corners[point];
+  }
+}
+
+enum class OutlineKind { simple, touching, crossing };  // touching itself, or without an area
+
+struct Cut {
+  Triangles triangles;  // of corners; none if the outline has no area, or crosses itself
+  OutlineKind kind = OutlineKind::touching;
+};
+
+template <class Outline>
+Cut cut(const Outline& outline) {
+  if (outline.size() < 3) return {};
+  Triangles triangles = fan(outline);
+  if (triangles.empty()) {
+    if (isCollinear(outline)) return {};
+    if (isSimple(outline)) triangles = triangulateSimple(outline);
+    if (triangles.empty()) {
+      std::optional<Triangles> touching = triangulateTouching(outline.points, outline.corners);
+      return touching ? Cut{std::move(*touching), OutlineKind::touching} : Cut{{}, OutlineKind::crossing};
+    }
+  }
+  nameCorners(outline, triangles);
+  return {std::move(triangles), OutlineKind::simple};
+}
+
+// Whether the triangles end where the outline is: of their edges those are left over that are walked along it. Where it
+// touches itself as it is seen, and not in space, they may end elsewhere.
+bool keepsOutline(Corners corners, const Cut& cut, const std::vector<uint32_t>& distinct) {
+  if (cut.kind == OutlineKind::simple) return cut.triangles.size() + 2 == distinct.size();
+  if (cut.kind == OutlineKind::crossing) return false;
+  const auto less = [](const glm::dvec3& a, const glm::dvec3& b) {
+    return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
+  };
+  std::map<glm::dvec3, uint32_t, decltype(less)> places(less);
+  std::map<std::pair<uint32_t, uint32_t>, int> surplus;  // of walks from the lesser place to the greater
+  const auto walk = [&](uint32_t from, uint32_t to, int times) {
+    const auto place = [&](uint32_t corner) { return places.emplace(corners[corner], corner).first->second; };
+    const uint32_t a = place(from), b = place(to);
+    surplus[std::minmax({a, b})] += a < b ? times : -times;
+  };
+  for (const auto& [a, b, c] : cut.triangles) {
+    walk(a, b, 1);
+    walk(b, c, 1);
+    walk(c, a, 1);
+  }
+  for (size_t i = 0; i < distinct.size(); ++i) walk(distinct[i], distinct[(i + 1) % distinct.size()], -1);
+  return std::all_of(surplus.begin(), surplus.end(), [](const auto& edge) { return edge.second == 0; });
+}
+
+// Whether no triangle is turned over, seen along the normal.
+bool facesTheNormal(Corners corners, const Triangles& triangles, const Plane& plane) {
+  return std::all_of(triangles.begin(), triangles.end(), [&](const Triangle3& triangle) {
+    const auto place = [&](size_t k) { return plane.scale * corners[triangle[k]]; };
+    return orientation(plane.normal, place(0), place(1), place(2)) > 0;
   });
 }
 
-// Twice the signed area; long double, as it is compared with sums of other roundings.
-long double twiceArea(std::span<const PlanePoint> points) {
-  long double sum = 0;
-  for (size_t i = 1; i + 1 < points.size(); ++i) {
-    const long double ax = (long double)points[i].x - points[0].x, ay = (long double)points[i].y - points[0].y;
-    const long double bx = (long double)points[i + 1].x - points[0].x, by = (long double)points[i + 1].y - points[0].y;
-    sum += ax * by - ay * bx;
-  }
-  return sum;
+CutPolygon cutAnyhow(Corners corners, const std::vector<uint32_t>& distinct, const Plane& plane) {
+  CutPolygon result{.triangles = {}, .crossesItself = true};
+  FlatOutline outline{.points = {}, .corners = distinct};
+  for (const uint32_t corner : distinct) outline.points.push_back(plane.flatten(corners[corner]));
+  result.triangles = triangulateAnyhow(outline);
+  nameCorners(outline, result.triangles);
+  return result;
 }
 
-GEOSCoordSequence* makeSequence(std::span<const PlanePoint> points, bool closed) {
-  const auto count = unsigned(points.size() + (closed ? 1 : 0));
-  GEOSCoordSequence* sequence = GEOSCoordSeq_create_r(geos(), count, 2);
-  if (!sequence) throw std::bad_alloc();
-  for (unsigned i = 0; i < count; ++i) {
-    const PlanePoint point = points[i % points.size()];
-    GEOSCoordSeq_setXY_r(geos(), sequence, i, point.x, point.y);
-  }
-  return sequence;
+// Whether a polygon of four is convex as seen along the axis, without straight corners.
+bool isConvexQuad(Corners corners, const Plane& plane) {
+  std::array<PlanePoint, 4> p;
+  for (size_t i = 0; i < 4; ++i) p[i] = plane.flatten(corners[i]);
+  const int side = orientation(p[0], p[1], p[2]);
+  return side != 0 && orientation(p[1], p[2], p[3]) == side && orientation(p[2], p[3], p[0]) == side &&
+         orientation(p[3], p[0], p[1]) == side;
 }
 
-Geometry makePolygon(const Outline& outline) {
-  GEOSGeometry* ring = GEOSGeom_createLinearRing_r(geos(), makeSequence(outline.points, true));
-  return Geometry(ring ? GEOSGeom_createPolygon_r(geos(), ring, nullptr, 0) : nullptr);
-}
-
-bool isValid(const Geometry& geometry) {
-  return geometry && GEOSisValid_r(geos(), geometry.get()) == 1;
-}
-
-// The outline's edges, each cut where another of its points lies on it.
-std::vector<Edge> cutEdges(const Outline& outline) {
-  std::vector<Edge> edges;
-  for (size_t i = 0; i < outline.size(); ++i) {
-    const PlanePoint a = outline.points[i], b = outline.points[outline.after(i)];
-    const auto [left, right] = std::minmax(a.x, b.x);
-    const auto [low, high] = std::minmax(a.y, b.y);
-    std::set<PlanePoint> cuts{a, b};
-    for (const PlanePoint p : outline.points) {
-      if (p.x < left || p.x > right || p.y < low || p.y > high || orientation(a, b, p) != 0) continue;
-      cuts.insert(p);
-    }
-    std::vector<PlanePoint> path(cuts.begin(), cuts.end());
-    if (b < a) std::reverse(path.begin(), path.end());
-    for (size_t k = 0; k + 1 < path.size(); ++k) edges.emplace_back(path[k], path[k + 1]);
-  }
-  return edges;
-}
-
-// Drops the edges that are walked there and back: the bridges to the holes of a key-hole outline, and spikes.
-std::vector<Edge> withoutBridges(const std::vector<Edge>& edges) {
-  std::map<Edge, int> surplus;  // of walks from the lesser point to the greater
-  for (const auto& [from, to] : edges) {
-    if (from < to) {
-      ++surplus[{from, to}];
-    } else {
-      --surplus[{to, from}];
-    }
-  }
-  std::vector<Edge> kept;
-  for (const auto& [edge, count] : surplus) {
-    if (count != 0) kept.push_back(edge);
-  }
-  return kept;
-}
-
-// The area within the edges, as polygons with holes.
-Geometry makeArea(const std::vector<Edge>& edges) {
-  std::vector<GEOSGeometry*> lines;
-  for (const auto& [from, to] : edges) {
-    const std::array<PlanePoint, 2> ends{from, to};
-    lines.push_back(GEOSGeom_createLineString_r(geos(), makeSequence(ends, false)));
-  }
-  const Geometry all(GEOSGeom_createCollection_r(geos(), GEOS_MULTILINESTRING, lines.data(), unsigned(lines.size())));
-  return Geometry(all ? GEOSBuildArea_r(geos(), all.get()) : nullptr);
-}
-
-// Says at which corner GEOS found the fault.
-std::string describeCrossing(const Outline& outline) {
-  const Geometry polygon = makePolygon(outline);
-  char* reason = nullptr;
-  GEOSGeometry* location = nullptr;
-  if (polygon) GEOSisValidDetail_r(geos(), polygon.get(), 0, &reason, &location);
-  const Geometry place(location);
-  GEOSFree_r(geos(), reason);
-  const std::string message = "the outline crosses or overlaps itself";
-  PlanePoint at;
-  if (!place || GEOSGeomGetX_r(geos(), place.get(), &at.x) != 1 || GEOSGeomGetY_r(geos(), place.get(), &at.y) != 1) {
-    return message;
-  }
-  size_t nearest = 0;
-  const auto distance = [&](size_t i) { return std::hypot(outline.points[i].x - at.x, outline.points[i].y - at.y); };
-  for (size_t i = 1; i < outline.size(); ++i) {
-    if (distance(i) < distance(nearest)) nearest = i;
-  }
-  return message + " near its corner " + std::to_string(outline.corners[nearest] + 1);
-}
-
-// What GEOS shall cut. Empty where nothing remains but edges walked there and back.
-Geometry triangulable(const Outline& outline) {
-  Geometry polygon = makePolygon(outline);
-  if (isValid(polygon)) return polygon;
-  // Not a simple polygon, but it may be one with holes or with parts that touch, drawn in one go.
-  const std::vector<Edge> edges = withoutBridges(cutEdges(outline));
-  if (edges.empty()) return nullptr;
-  Geometry area = makeArea(edges);
-  double size = 0;
-  const bool valid = isValid(area) && GEOSArea_r(geos(), area.get(), &size) == 1 && size > 0;
-  // A hole wound like the outer ring, or an outline walked twice, counts doubly in the signed area.
-  const double expected = double(std::abs(twiceArea(outline.points)) / 2);
-  if (valid && std::abs(size - expected) <= 1e-9 * expected) return area;
-  if (isCollinearButForRounding(outline)) return nullptr;
-  throw std::invalid_argument(describeCrossing(outline));
-}
-
-std::array<PlanePoint, 3> pointsOf(const GEOSGeometry* triangle) {
-  const GEOSCoordSequence* sequence = GEOSGeom_getCoordSeq_r(geos(), GEOSGetExteriorRing_r(geos(), triangle));
-  std::array<PlanePoint, 3> points;
-  for (unsigned k = 0; k < 3; ++k) GEOSCoordSeq_getXY_r(geos(), sequence, k, &points[k].x, &points[k].y);
-  return points;
-}
-
-std::vector<Triangle3> constrainedDelaunay(const Outline& outline, const GEOSGeometry* area) {
-  const auto failure = [] { return std::invalid_argument("the outline cannot be cut into triangles; split it"); };
-  const Geometry pieces(GEOSConstrainedDelaunayTriangulation_r(geos(), area));
-  if (!pieces) throw failure();
-
-  std::map<PlanePoint, uint32_t> cornerAt;
-  for (size_t i = 0; i < outline.size(); ++i) cornerAt.emplace(outline.points[i], outline.corners[i]);
-  const long double signedArea = twiceArea(outline.points);
-  const int side = signedArea > 0 ? 1 : -1;
-  long double sum = 0;
-  std::vector<Triangle3> triangles;
-  const int count = GEOSGetNumGeometries_r(geos(), pieces.get());
-  for (int i = 0; i < count; ++i) {
-    std::array<PlanePoint, 3> points = pointsOf(GEOSGetGeometryN_r(geos(), pieces.get(), i));
-    const int turn = orientation(points[0], points[1], points[2]);
-    if (turn == 0) continue;
-    if (turn != side) std::swap(points[1], points[2]);
-    sum += twiceArea(points);
-    Triangle3 triangle;
-    for (size_t k = 0; k < 3; ++k) {
-      const auto corner = cornerAt.find(points[k]);
-      if (corner == cornerAt.end()) throw failure();
-      triangle[k] = corner->second;
-    }
-    triangles.push_back(triangle);
-  }
-  // Nothing may be lost or covered twice. The slack covers needles, whose areas are mostly rounding.
-  if (std::abs(sum - signedArea) > 1e-9L * std::abs(signedArea) + 1e-17L * (long double)outline.size()) throw failure();
-  return triangles;
+// A polygon whose corners lie in no plane; `flat` is what it is seen along the axis.
+CutPolygon cutWarped(Corners corners, Cut flat, const Plane& plane) {
+  const std::vector<uint32_t> distinct = distinctCorners(corners);
+  const bool isWhole = keepsOutline(corners, flat, distinct);
+  if (isWhole && facesTheNormal(corners, flat.triangles, plane)) return {.triangles = std::move(flat.triangles)};
+  const TiltedOutline outline = tilt(corners, distinct, plane);
+  Cut tilted = cut(outline);
+  if (keepsOutline(corners, tilted, distinct) && facesTheNormal(corners, tilted.triangles, plane))
+    return {.triangles = std::move(tilted.triangles)};
+  // It crosses itself as seen along its normal, but not as seen along the axis.
+  if (isWhole) return {.triangles = std::move(flat.triangles)};
+  CutPolygon result{.triangles = triangulateAnyhow(outline), .crossesItself = true};
+  nameCorners(outline, result.triangles);
+  return result;
 }
 
 }  // namespace
 
-std::vector<Triangle3> triangulatePolygon(std::span<const glm::dvec3> corners) {
+CutPolygon triangulatePolygon(Corners corners) {
   if (corners.size() < 3) return {};
+  const Plane plane = planeOf(corners);
   if (corners.size() == 3) {
     // What follows would say the same, but most polygons are triangles, and there are millions of them.
-    const Projection project3 = projectionOf(corners);
-    const bool hasArea = orientation(project3(corners[0]), project3(corners[1]), project3(corners[2])) != 0;
-    return hasArea ? std::vector<Triangle3>{Triangle3{0, 1, 2}} : std::vector<Triangle3>();
+    const bool hasArea =
+        orientation(plane.flatten(corners[0]), plane.flatten(corners[1]), plane.flatten(corners[2])) != 0;
+    return {.triangles = hasArea ? Triangles{Triangle3{0, 1, 2}} : Triangles()};
   }
-  const Outline outline = project(corners);
-  if (outline.size() < 3) return {};
-  if (std::vector<Triangle3> triangles = fan(outline); !triangles.empty()) return triangles;
-  if (isCollinear(outline)) return {};
-  if (isSimple(outline.points)) {
-    std::vector<Triangle3> triangles = triangulateSimple(outline.points);
-    for (Triangle3& triangle : triangles) {
-      for (uint32_t& point : triangle) point = outline.corners[point];
-    }
-    if (!triangles.empty()) return triangles;
+  if (corners.size() == 4 && isConvexQuad(corners, plane)) {
+    // Likewise, for most of the others.
+    Triangles fan{{0, 1, 2}, {0, 2, 3}};
+    if (isPlanar(corners, plane) || facesTheNormal(corners, fan, plane)) return {.triangles = std::move(fan)};
   }
-  const Geometry area = triangulable(outline);
-  return area ? constrainedDelaunay(outline, area.get()) : std::vector<Triangle3>();
+  Cut flat = cut(flatten(corners, plane));
+  if (!isPlanar(corners, plane)) return cutWarped(corners, std::move(flat), plane);
+  if (flat.kind == OutlineKind::crossing) return cutAnyhow(corners, distinctCorners(corners), plane);
+  return {.triangles = std::move(flat.triangles)};
 }
 
 }  // namespace turner

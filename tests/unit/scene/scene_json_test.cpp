@@ -262,7 +262,7 @@ TEST(SceneJsonFaults, placesAreRightBehindCommentsAndByteOrderMarks) {
             "scene.json:3:8: error: depth: found 0; must be an integer from 1 to 64");
   // Columns count bytes, and the byte order mark has three.
   EXPECT_EQ(faultsOf("\xEF\xBB\xBF{\"depth\":0}"),
-            "scene.json:1:13: error: depth: found 0; must be an integer from 1 to 64");
+            "scene.json:1:10: error: depth: found 0; must be an integer from 1 to 64");
 }
 
 TEST(SceneJsonFaults, placesAreRightBehindEscapes) {
@@ -485,6 +485,24 @@ TEST_F(MeshInScene, beyondTheRangeIsRefused) {
   EXPECT_TRUE(contains(faultsOf([&] { load(R"(,"scale":1e30)"); }), "meshes[0]: the mesh, scaled and moved, reaches"));
 }
 
+TEST_F(MeshInScene, verticesOfNoFaceMayLieAnywhere) {
+  write("far.obj", "v 1e30 0 0\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 2 3 4\n");
+  const Scene scene =
+      loadScene(write("far.json", R"({"materials":{"m":{}},"meshes":[{"file":"far.obj","material":"m","scale":2}]})"));
+  EXPECT_EQ(scene.cornersOf(0)[1], glm::dvec3(2, 0, 0));
+}
+
+TEST_F(MeshInScene, notesAreToldOnceForEachFile) {
+  const std::string mesh = write("odd.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvw 1\nf 1 2 3\n");
+  const Scene scene =
+      loadScene(write("twice.json", R"({"materials":{"m":{}},"meshes":[{"file":"odd.obj","material":"m"},)"
+                                    R"({"file":"odd.obj","material":"m"}],"lights":[{"position":[0,9,0]}],)"
+                                    R"("camera":{"eye":[0,0,9],"target":[0,0,0]}})"));
+  EXPECT_EQ(scene.triangles.size(), 2u);
+  EXPECT_EQ(scene.notes, std::vector<std::string>{mesh + ":4:1: note: 1 unknown statement was passed over: 'vw', " +
+                                                  "did you mean 'v'?"});
+}
+
 // Files.
 
 TEST_F(SceneFile, extensionChoosesTheParser) {
@@ -499,10 +517,12 @@ TEST_F(SceneFile, missingOneIsToldOf) {
 }
 
 TEST_F(SceneNotes, sayWhatIsMissing) {
-  const Scene scene = loadScene(write("empty.json", "{}"));
-  EXPECT_EQ(scene.notes, (std::vector<std::string>{"the scene has no lights: its objects are black",
-                                                   "the scene has no objects: the picture is its background",
-                                                   "the scene has no camera: one was fitted to its bounds"}));
+  const std::string path = write("empty.json", "{}");
+  const Scene scene = loadScene(path);
+  EXPECT_EQ(scene.notes,
+            (std::vector<std::string>{path + ": note: the scene has no lights: its objects are black",
+                                      path + ": note: the scene has no objects: the picture is its background",
+                                      path + ": note: the scene has no camera: one was fitted to its bounds"}));
   EXPECT_NE(scene.camera.eye, scene.camera.target);
 }
 
@@ -520,7 +540,8 @@ TEST_F(SceneNotes, countTrianglesWithoutArea) {
   ASSERT_EQ(scene.triangles.size(), 2u);
   EXPECT_EQ(scene.cornersOf(0)[0].x, 7);
   EXPECT_EQ(scene.cornersOf(1)[1].x, 1e-200);
-  EXPECT_EQ(scene.notes, std::vector<std::string>{"4 triangles without area were dropped"});
+  ASSERT_EQ(scene.notes.size(), 1u);
+  EXPECT_TRUE(contains(scene.notes[0], "flat.json: note: 4 triangles without area were dropped"));
 }
 
 TEST_F(CameraFit, seesTheWholeScene) {
