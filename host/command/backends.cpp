@@ -41,7 +41,7 @@ UploadedScene::UploadedScene(Scene scene, const RenderSettings& settings, const 
   if (!quiet_) {
     fmt::print("device: {}: {} ({}, {}), fetching {}\n", device.index, device.name, device.type, device.driver,
                accessName(session_.access()));
-    if (!session_.note().empty()) fmt::print("note: {}\n", session_.note());
+    if (!session_.note().empty()) fmt::print("{}\n", session_.note());
   }
   throwIfInterrupted();
   kernel_ = session_.compile(shaderFolder(options.shaders) + "/whitted.comp");

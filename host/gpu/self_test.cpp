@@ -258,7 +258,7 @@ std::vector<std::string> runSelfTest(const Device& device, BufferAccess access,
 
 DeviceTrust testDevice(const Device& device, BufferAccess access, const std::vector<ShaderSource>& sources) {
   const std::string name = device.info().name + " (" + device.info().driver + ")";
-  const DeviceTrust atHead{true, name +
+  const DeviceTrust atHead{true, "note: " + name +
                                      " loses values where its lanes leave a loop one by one; the kernel's loops are "
                                      "given to it in a form that it gets right"};
   const std::string path = cachePath(device, access, sources);

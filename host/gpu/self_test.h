@@ -14,7 +14,7 @@ namespace turner {
 // How a device is to be used.
 struct DeviceTrust {
   bool loopsAtHead = false;  // the kernel's loops end at their head (docs/kernel.md, Loops)
-  std::string note;          // that says so to the user; else empty
+  std::string note;          // a line that says so to the user; else empty
 };
 
 // Runs the self-test, for kernels that fetch in this way, or finds that this driver has passed it before. Throws
