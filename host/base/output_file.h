@@ -10,9 +10,6 @@ namespace turner {
 // not writable, or when the path is a folder.
 void checkWritable(const std::string& path);
 
-// Writes all bytes to an open file. False: errno says why not.
-bool writeAll(int file, std::string_view bytes);
-
 // Writes a file by way of a temporary one beside it, then renames: readers see the old file or the new one, and a
 // failure leaves the old one and no temporary. Follows symbolic links; devices and pipes are written directly.
 // Throws RunError naming the path and the system's reason (disk full, ...).

@@ -1,11 +1,9 @@
 // System calls and nettle.
 #include "base/text_file.h"
 
-#include <fcntl.h>
 #include <nettle/base16.h>
 #include <nettle/sha2.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <array>
 #include <cerrno>
@@ -13,6 +11,7 @@
 #include <cstring>
 #include <filesystem>
 
+#include "base/descriptor_io.h"
 #include "base/errors.h"
 #include "base/reserve.h"
 #include "base/unique_fd.h"
@@ -22,7 +21,7 @@ namespace turner {
 std::string readTextFile(const std::string& path) {
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored)) throw InputError(path + ": error: is a folder, not a file");
-  const UniqueFd file(open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  const UniqueFd file(openToRead(path));
   if (file.number < 0) throw InputError(path + ": error: cannot open: " + std::strerror(errno));
 
   // One byte more than the size, so that one more read tells the end. A pipe has no size, and a file may grow.
@@ -34,8 +33,7 @@ std::string readTextFile(const std::string& path) {
     prefault(text.data() + got, room - got);
     text.resize(room);
     while (got < room) {
-      const ssize_t count = read(file.number, text.data() + got, room - got);
-      if (count < 0 && errno == EINTR) continue;
+      const ssize_t count = readSome(file.number, text.data() + got, room - got);
       if (count < 0) throw InputError(path + ": error: cannot read: " + std::strerror(errno));
       if (count == 0) {
         text.resize(got);

@@ -1,15 +1,14 @@
 // Shader: rounded, packed, uploaded, dispatched, read back. Reference: traced on the host.
 #include "command/backends.h"
 
-#include <fmt/format.h>
-
 #include <functional>
 #include <utility>
 
+#include "base/interrupt.h"
 #include "base/stopwatch.h"
+#include "base/tell.h"
 #include "command/data_folder.h"
 #include "command/device_choice.h"
-#include "command/interrupt.h"
 #include "command/progress_line.h"
 #include "geometry/round_scene.h"
 #include "kernel/buffer_access.h"
@@ -22,8 +21,8 @@ Scene loadAndPrint(const RenderOptions& options) {
   const std::string path = findScene(options.scene);
   Scene scene = loadScene(path);
   if (!options.quiet) {
-    fmt::print("scene: {} ({}, {} lights)\n", path, toText(scene.primitiveCounts()), scene.lights.size());
-    for (const std::string& note : scene.notes) fmt::print("note: {}\n", note);
+    tell("scene: {} ({}, {} lights)\n", path, toText(scene.primitiveCounts()), scene.lights.size());
+    for (const std::string& note : scene.notes) tell("note: {}\n", note);
   }
   return scene;
 }
@@ -38,8 +37,8 @@ UploadedScene::UploadedScene(Scene scene, const RenderSettings& settings, const 
                {.tile = options.tile, .workGroup = options.workGroup}) {
   const DeviceInfo& device = session_.device();
   if (!quiet_)
-    fmt::print("device: {}: {} ({}, {}), fetching {}\n", device.index, device.name, device.type, device.driver,
-               accessName(session_.access()));
+    tell("device: {}: {} ({}, {}), fetching {}\n", device.index, device.name, device.type, device.driver,
+         accessName(session_.access()));
   session_.prepare(std::move(scene), settings);
   throwIfInterrupted();
   kernel_ = session_.compile(shaderFolder(options.shaders) + "/whitted.comp");

@@ -6,12 +6,14 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 #include <type_traits>
 #include <utility>
 
 #include "base/diagnostics.h"
 #include "base/errors.h"
 #include "base/number.h"
+#include "base/tell.h"
 
 namespace turner {
 namespace {
@@ -270,7 +272,9 @@ CommandLine parseCommandLine(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help) {
-    app.exit(help);
+    std::ostringstream text;
+    app.exit(help, text, text);
+    printResult(text.str());
     return line;
   } catch (const CLI::ExtrasError&) {
     throw InputError(unknownArgument(app, app.remaining(true).at(0)));

@@ -1,7 +1,4 @@
 // `turner compare`: two files, or the shader's picture of a scene with the reference's.
-#include <fmt/format.h>
-
-#include <cstdio>
 #include <functional>
 #include <optional>
 #include <span>
@@ -9,6 +6,7 @@
 
 #include "base/errors.h"
 #include "base/output_file.h"
+#include "base/tell.h"
 #include "base/text_file.h"
 #include "command/backends.h"
 #include "command/commands.h"
@@ -87,16 +85,19 @@ int runCompare(const CompareOptions& compare, const RenderOptions& render) {
   const auto& [a, b, decomposition, envelope] = compared;
 
   const Comparison comparison = compareImages(a, b, compare.threshold);
-  if (compare.json) {
-    fmt::print("{}", comparisonJson(comparison, decomposition, envelope));
-  } else if (!render.quiet) {
-    printFigures(comparison, compare.threshold);
-    if (decomposition) printDecomposition(*decomposition);
-    if (envelope) printEnvelope(*envelope);
-  }
-  if (!compare.errorImage.empty()) writeWholeFile(compare.errorImage, encodeExr(errorImage(a, b), {}));
+  Deliveries deliveries;
+  if (!compare.errorImage.empty())
+    deliveries.attempt([&] { writeWholeFile(compare.errorImage, encodeExr(errorImage(a, b), {})); });
+  deliveries.attempt([&] {
+    if (compare.json)
+      printResult(comparisonJson(comparison, decomposition, envelope));
+    else if (!render.quiet)
+      printResult(figuresText(comparison, compare.threshold) +
+                  (decomposition ? decompositionText(*decomposition) : "") + (envelope ? envelopeText(*envelope) : ""));
+  });
+  deliveries.throwIfAnyFailed();
   const std::vector<std::string> broken = brokenBounds(comparison, compare.bounds);
-  for (const std::string& bound : broken) fmt::print(stderr, "turner: error: {}\n", bound);
+  for (const std::string& bound : broken) tellOnStderr("turner: error: {}\n", bound);
   return broken.empty() ? 0 : 1;
 }
 

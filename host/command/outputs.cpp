@@ -43,6 +43,19 @@ void refuseOverwriting(const std::vector<std::string>& outputs, const std::vecto
         throw InputError("the output " + output + " is an input; name another file");
 }
 
+void Deliveries::attempt(const std::function<void()>& write) {
+  try {
+    write();
+  } catch (const RunError& error) {
+    if (!faults_.empty()) faults_ += '\n';
+    faults_ += error.what();
+  }
+}
+
+void Deliveries::throwIfAnyFailed() const {
+  if (!faults_.empty()) throw RunError(faults_);
+}
+
 void writePicture(const std::string& path, const Image& image, const Provenance& provenance) {
   writeWholeFile(path, lowerExtension(path) == ".png" ? encodePng(image) : encodeExr(image, provenance));
 }

@@ -4,12 +4,13 @@
 #include <utility>
 
 #include "base/errors.h"
+#include "base/interrupt.h"
 #include "base/output_file.h"
 #include "base/stopwatch.h"
+#include "base/tell.h"
 #include "command/backends.h"
 #include "command/commands.h"
 #include "command/data_folder.h"
-#include "command/interrupt.h"
 #include "command/outputs.h"
 #include "image/provenance.h"
 #include "scene/scene_load.h"
@@ -58,9 +59,12 @@ int runRender(const RenderOptions& options) {
       makeProvenance(summary, settings, "--backend " + stats.backend + " --geometry " + stats.geometry,
                      stats.device.name, stats.device.driver);
   throwIfInterrupted();
+  Deliveries deliveries;
   for (const std::string& output : outputs) {
-    writePicture(output, rendered.image, provenance);
-    if (!options.quiet) fmt::print("wrote {}\n", output);
+    deliveries.attempt([&] {
+      writePicture(output, rendered.image, provenance);
+      if (!options.quiet) tell("wrote {}\n", output);
+    });
   }
 
   stats.scene = options.scene;
@@ -68,13 +72,14 @@ int runRender(const RenderOptions& options) {
   stats.primitives = primitives;
   stats.seconds.load = loadSeconds;
   stats.seconds.total = total.lap();
-  if (!options.stats.empty()) writeWholeFile(options.stats, statsJson(stats));
+  if (!options.stats.empty()) deliveries.attempt([&] { writeWholeFile(options.stats, statsJson(stats)); });
+  deliveries.throwIfAnyFailed();
   if (!options.quiet) {
-    fmt::print("traced in {:.3f} s, all in {:.3f} s", stats.seconds.trace, stats.seconds.total);
-    if (stats.rays.total() > 0)
-      fmt::print(": {} rays, {:.3g} Mray/s", stats.rays.total(),
-                 double(stats.rays.total()) / stats.seconds.trace * 1e-6);
-    fmt::print("\n");
+    const std::string rays = stats.rays.total() == 0
+                                 ? ""
+                                 : fmt::format(": {} rays, {:.3g} Mray/s", stats.rays.total(),
+                                               double(stats.rays.total()) / stats.seconds.trace * 1e-6);
+    tell("traced in {:.3f} s, all in {:.3f} s{}\n", stats.seconds.trace, stats.seconds.total, rays);
   }
   return 0;
 }

@@ -14,7 +14,7 @@
 #include <utility>
 
 #include "base/cache_folder.h"
-#include "base/output_file.h"
+#include "base/descriptor_io.h"
 #include "base/text_file.h"
 #include "base/unique_fd.h"
 

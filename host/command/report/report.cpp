@@ -1,11 +1,11 @@
 // turner report: scenes -> what to measure -> measured, as far as the journal does not have it -> page and tables.
 #include <fmt/format.h>
 
-#include <cstdio>
 #include <filesystem>
 
 #include "base/errors.h"
 #include "base/output_file.h"
+#include "base/tell.h"
 #include "base/text_file.h"
 #include "command/commands.h"
 #include "command/report/machine.h"
@@ -26,15 +26,14 @@ namespace fs = std::filesystem;
 void printPlan(const ReportPlan& plan, const Journal& journal, const std::string& output) {
   for (size_t i = 0; i < plan.sweeps.size(); ++i) {
     const SceneToSweep& sweep = plan.sweeps[i];
-    fmt::print("scene: {} ({} x {} pixels, {} settings", sweep.path, sweep.whole.crop.width(),
-               sweep.whole.crop.height(), sweep.settings.size());
-    for (const RendererInfo& renderer : plan.renderers) fmt::print(", {}", renderer.device);
-    fmt::print(", {} times)\n", sweep.repeats);
-    for (const std::string& note : sweep.scene.notes) fmt::print("note: {}\n", note);
+    tell("scene: {} ({} x {} pixels, {} settings", sweep.path, sweep.whole.crop.width(), sweep.whole.crop.height(),
+         sweep.settings.size());
+    for (const RendererInfo& renderer : plan.renderers) tell(", {}", renderer.device);
+    tell(", {} times)\n", sweep.repeats);
+    for (const std::string& note : sweep.scene.notes) tell("note: {}\n", note);
   }
   if (journal.size() > 0)
-    fmt::print("going on with {} measurements of an interrupted report in {}\n", journal.size(), output);
-  std::fflush(stdout);
+    tell("going on with {} measurements of an interrupted report in {}\n", journal.size(), output);
 }
 
 std::vector<SweptScene> measureAll(const ReportPlan& plan, Journal& journal, bool quiet) {
@@ -103,10 +102,10 @@ int runReport(const ReportOptions& options) {
 
   if (!options.quiet) {
     for (const SweptScene& scene : scenes) {
-      fmt::print("{}\n", scene.path);
-      for (const std::string& sentence : findings(scene)) fmt::print("  {}\n", sentence);
+      tell("{}\n", scene.path);
+      for (const std::string& sentence : findings(scene)) tell("  {}\n", sentence);
     }
-    for (const std::string& file : {page, json, csv}) fmt::print("wrote {}\n", file);
+    for (const std::string& file : {page, json, csv}) tell("wrote {}\n", file);
   }
   return 0;
 }

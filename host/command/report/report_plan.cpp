@@ -12,9 +12,9 @@
 #include <optional>
 
 #include "base/errors.h"
+#include "base/interrupt.h"
 #include "base/text_file.h"
 #include "command/data_folder.h"
-#include "command/interrupt.h"
 #include "scene/scene_load.h"
 
 namespace turner {

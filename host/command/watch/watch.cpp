@@ -7,10 +7,10 @@
 #include <utility>
 
 #include "base/errors.h"
+#include "base/interrupt.h"
 #include "command/commands.h"
 #include "command/data_folder.h"
 #include "command/device_choice.h"
-#include "command/interrupt.h"
 #include "command/outputs.h"
 #include "command/watch/listeners.h"
 #include "geometry/round_scene.h"
