@@ -7,6 +7,9 @@
 
 namespace turner {
 
+// The name of standard input among inputs, of standard output among outputs.
+inline constexpr std::string_view kStandardStream = "-";
+
 // The open descriptor that a name stands for: 1 for /dev/stdout, 63 for /dev/fd/63 (a shell's >(...)), links to them
 // included. None: the name is another file's.
 std::optional<int> descriptorNamed(const std::string& path);

@@ -8,10 +8,12 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <optional>
 #include <system_error>
 
 #include "base/descriptor_io.h"
 #include "base/errors.h"
+#include "base/file_identity.h"
 #include "base/temporary.h"
 #include "base/unique_fd.h"
 
@@ -20,28 +22,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// As many links in a row as the kernel follows.
-constexpr int kMaxLinks = 40;
-
 [[noreturn]] void refuse(const std::string& path, const std::string& why) {
   throw InputError(path + ": error: " + why);
 }
 
 [[noreturn]] void fail(const std::string& path, const char* call, int error) {
   throw RunError(path + ": error: cannot write: " + call + ": " + std::strerror(error));
-}
-
-// Follows symbolic links by hand, because the last one may point to a file that is yet to be made. Stops at what is no
-// link; of a ring of links it returns one, and the caller's next call fails with ELOOP.
-fs::path followLinks(const std::string& path) {
-  fs::path target = path;
-  for (int i = 0; i < kMaxLinks; ++i) {
-    std::error_code error;
-    const fs::path next = fs::read_symlink(target, error);
-    if (error) return target;
-    target = target.parent_path() / next;  // an absolute `next` replaces all of it
-  }
-  return target;
 }
 
 fs::path folderOf(const fs::path& file) {
@@ -75,8 +61,22 @@ void takeRightsOf(const struct stat& old, int file) {
 
 }  // namespace
 
+std::string nameOfOutput(const std::string& path) {
+  return path == kStandardStream ? "<stdout>" : path;
+}
+
+std::optional<int> openOutput(const std::string& path) {
+  return path == kStandardStream ? STDOUT_FILENO : descriptorNamed(path);
+}
+
 void checkWritable(const std::string& path) {
   if (path.empty()) throw InputError("the name of an output file is empty; name a file, such as picture.exr");
+
+  if (const std::optional<int> open = openOutput(path)) {
+    const int flags = ::fcntl(*open, F_GETFL);
+    if (flags < 0 || (flags & O_ACCMODE) == O_RDONLY) refuse(nameOfOutput(path), "is not open for writing");
+    return;
+  }
 
   // Look at what is there.
   struct stat found {};
@@ -109,6 +109,7 @@ void checkWritable(const std::string& path) {
 }
 
 void writeWholeFile(const std::string& path, std::string_view bytes) {
+  if (const std::optional<int> open = openOutput(path)) return writeInto(nameOfOutput(path), *open, bytes);
   struct stat found {};
   const bool isThere = ::stat(path.c_str(), &found) == 0;
   if (isThere && !S_ISREG(found.st_mode)) {

@@ -38,6 +38,10 @@ void leaveStdoutToOutput() {
   stdoutOfTold = STDERR_FILENO;
 }
 
+bool isStdoutTold() {
+  return stdoutOfTold == STDOUT_FILENO;
+}
+
 int tellText(std::string_view text) noexcept {
   return tellTo(stdoutOfTold, text);
 }
@@ -47,8 +51,9 @@ int tellTextOnStderr(std::string_view text) noexcept {
 }
 
 void printResult(std::string_view text) {
-  if (!writeAll(STDOUT_FILENO, text))
-    throw RunError(std::string("<stdout>: error: cannot write: ") + std::strerror(errno));
+  if (writeAll(stdoutOfTold, text)) return;
+  const std::string name = stdoutOfTold == STDOUT_FILENO ? "<stdout>" : "<stderr>";
+  throw RunError(name + ": error: cannot write: " + std::strerror(errno));
 }
 
 }  // namespace turner

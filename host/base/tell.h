@@ -15,11 +15,12 @@ void holdStandardDescriptors();
 
 // From here on stdout has the bytes of an output and nothing else: what is told goes to stderr.
 void leaveStdoutToOutput();
+bool isStdoutTold();
 
 // Returns 0, or the system's reason why nobody will read it.
 int tellText(std::string_view text) noexcept;
 int tellTextOnStderr(std::string_view text) noexcept;
-// To stdout. Throws RunError.
+// Where tellText() tells. Throws RunError.
 void printResult(std::string_view text);
 
 // What was loaded, on what device, what was written: to stdout.

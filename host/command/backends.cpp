@@ -7,8 +7,10 @@
 #include "base/interrupt.h"
 #include "base/stopwatch.h"
 #include "base/tell.h"
+#include "base/text_file.h"
 #include "command/data_folder.h"
 #include "command/device_choice.h"
+#include "command/overwriting.h"
 #include "command/progress_line.h"
 #include "geometry/round_scene.h"
 #include "kernel/buffer_access.h"
@@ -21,7 +23,7 @@ Scene loadAndPrint(const RenderOptions& options) {
   const std::string path = findScene(options.scene);
   Scene scene = loadScene(path);
   if (!options.quiet) {
-    tell("scene: {} ({}, {} lights)\n", path, toText(scene.primitiveCounts()), scene.lights.size());
+    tell("scene: {} ({}, {} lights)\n", nameOfInput(path), toText(scene.primitiveCounts()), scene.lights.size());
     for (const std::string& note : scene.notes) tell("note: {}\n", note);
   }
   return scene;
@@ -76,11 +78,13 @@ Stats UploadedScene::stats() const {
   return stats;
 }
 
-Rendered renderWithShader(Scene scene, const RenderSettings& settings, const RenderOptions& options, bool countRays) {
+Rendered renderWithShader(Scene scene, const RenderSettings& settings, const RenderOptions& options,
+                          const std::vector<std::string>& outputs) {
   UploadedScene uploaded(std::move(scene), settings, options);
+  refuseOverwriting(outputs, uploaded.sourceFiles());
   Rendered result;
   result.image = uploaded.render(settings);
-  if (countRays) uploaded.countRays(settings);
+  if (!options.stats.empty()) uploaded.countRays(settings);
   result.stats = uploaded.stats();
   return result;
 }

@@ -12,6 +12,7 @@
 #include "command/commands.h"
 #include "command/data_folder.h"
 #include "command/outputs.h"
+#include "command/overwriting.h"
 #include "image/provenance.h"
 #include "scene/scene_load.h"
 
@@ -35,12 +36,15 @@ int runRender(const RenderOptions& options) {
   std::vector<std::string> outputs = options.outputs;
   if (outputs.empty()) outputs = {defaultOutput(options.scene)};
   for (const std::string& output : outputs) checkOutput(output, true);
-  std::vector<std::string> files = outputs;
+  std::vector<std::string> files = filesNamed(outputs);
   if (!options.stats.empty()) {
     checkWritable(options.stats);
     files.push_back(options.stats);
   }
   refuseRepeated(files);
+  refuseOverwriting(files, {findScene(options.scene)});
+  refuseOverwriting(files, shaderFiles(options.shaders));
+  leaveStdoutTo(files);
 
   Scene scene = loadAndPrint(options);
   refuseOverwriting(files, filesOf(findScene(options.scene), scene.sources));
@@ -50,9 +54,8 @@ int runRender(const RenderOptions& options) {
 
   const Scene summary = withoutGeometry(scene);
   const PrimitiveCounts primitives = scene.primitiveCounts();
-  Rendered rendered = options.backend == Backend::shader
-                          ? renderWithShader(std::move(scene), settings, options, !options.stats.empty())
-                          : renderWithReference(scene, settings, options);
+  Rendered rendered = options.backend == Backend::shader ? renderWithShader(std::move(scene), settings, options, files)
+                                                         : renderWithReference(scene, settings, options);
   throwIfInvalid();
   Stats& stats = rendered.stats;
   const Provenance provenance =
@@ -61,9 +64,10 @@ int runRender(const RenderOptions& options) {
   throwIfInterrupted();
   Deliveries deliveries;
   for (const std::string& output : outputs) {
-    deliveries.attempt([&] {
+    const std::string file = pictureNamed(output).file;
+    deliveries.attempt(file, [&] {
       writePicture(output, rendered.image, provenance);
-      if (!options.quiet) tell("wrote {}\n", output);
+      if (!options.quiet) tell("wrote {}\n", nameOfOutput(file));
     });
   }
 
@@ -72,7 +76,8 @@ int runRender(const RenderOptions& options) {
   stats.primitives = primitives;
   stats.seconds.load = loadSeconds;
   stats.seconds.total = total.lap();
-  if (!options.stats.empty()) deliveries.attempt([&] { writeWholeFile(options.stats, statsJson(stats)); });
+  if (!options.stats.empty())
+    deliveries.attempt(options.stats, [&] { writeWholeFile(options.stats, statsJson(stats)); });
   deliveries.throwIfAnyFailed();
   if (!options.quiet) {
     const std::string rays = stats.rays.total() == 0

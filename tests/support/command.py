@@ -100,14 +100,14 @@ class Command(Timed, unittest.TestCase):
         environment.update(changes or {})
         return environment
 
-    def run_turner(self, *args, env=None, timeout=TIMEOUT, stdout=subprocess.PIPE, **options):
+    def run_turner(self, *args, env=None, timeout=TIMEOUT, stdout=subprocess.PIPE, stdin=subprocess.DEVNULL, **options):
         args = [str(arg) for arg in args]
         start = time.monotonic()
         process = subprocess.run(
             [str(PROGRAM), *args],
             cwd=self.folder,
             env=self.environment(env),
-            stdin=subprocess.DEVNULL,
+            stdin=stdin,
             stdout=stdout,
             stderr=subprocess.PIPE,
             timeout=timeout,

@@ -8,6 +8,8 @@
 #include "base/tell.h"
 #include "base/text_file.h"
 #include "command/commands.h"
+#include "command/data_folder.h"
+#include "command/overwriting.h"
 #include "command/report/machine.h"
 #include "command/report/report_plan.h"
 #include "command/report/sweep_progress.h"
@@ -16,6 +18,7 @@
 #include "report/measure.h"
 #include "report/page.h"
 #include "report/tables.h"
+#include "scene/scene_load.h"
 
 namespace turner {
 using namespace report;
@@ -63,14 +66,34 @@ void makeFolder(const fs::path& folder) {
   if (error) throw InputError("cannot make the folder " + folder.string() + ": " + error.message());
 }
 
+// What --exr may write over.
+std::vector<std::string> picturesIn(const fs::path& folder) {
+  std::vector<std::string> pictures;
+  std::error_code none;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, none)) pictures.push_back(entry.path());
+  return pictures;
+}
+
+std::vector<std::string> inputsOf(const ReportPlan& plan, const ReportOptions& options) {
+  std::vector<std::string> inputs = shaderFiles(options.shaders);
+  for (size_t i = 0; i < plan.scenes.size(); ++i) {
+    const std::vector<std::string> files = filesOf(findScene(options.scenes[i]), plan.scenes[i].sources);
+    inputs.insert(inputs.end(), files.begin(), files.end());
+  }
+  return inputs;
+}
+
 }  // namespace
 
 int runReport(const ReportOptions& options) {
   const ReportPlan plan = planFor(options);
   const fs::path output = options.output, pictures = output / "pictures";
-  makeFolder(options.keepExr ? pictures : output);
   const std::string page = (output / "report.html").string(), json = (output / "report.json").string(),
                     csv = (output / "report.csv").string();
+  std::vector<std::string> writes = picturesIn(pictures);
+  writes.insert(writes.end(), {page, json, csv});
+  refuseOverwriting(writes, inputsOf(plan, options));
+  makeFolder(options.keepExr ? pictures : output);
   for (const std::string& file : {page, json, csv}) checkWritable(file);
   if (options.keepExr) checkWritable((pictures / "picture.exr").string());
 
