@@ -12,7 +12,7 @@ namespace fs = std::filesystem;
 constexpr int kMaxLinks = 40;
 
 std::optional<FileIdentity> identityFrom(const struct stat& found) {
-  if (S_ISCHR(found.st_mode)) return std::nullopt;
+  if (S_ISCHR(found.st_mode) || S_ISSOCK(found.st_mode)) return std::nullopt;
   return FileIdentity{uint64_t(found.st_dev), uint64_t(found.st_ino), {}};
 }
 

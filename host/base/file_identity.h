@@ -16,7 +16,7 @@ struct FileIdentity {
   bool operator==(const FileIdentity&) const = default;
 };
 
-// None: nothing in it can be lost, as in a character device, or it cannot be looked at.
+// None: nothing in it can be lost, as in a character device or a socket, or it cannot be looked at.
 std::optional<FileIdentity> identityOf(const std::string& path);
 std::optional<FileIdentity> identityOfOpen(int descriptor);
 

@@ -28,6 +28,16 @@ Identity identityOfInput(const std::string& path) {
   return path == kStandardStream ? identityOfOpen(STDIN_FILENO) : identityOf(path);
 }
 
+bool areOneStream(const std::string& a, const std::string& b) {
+  const auto numberOf = [](const std::string& path) {
+    return path == kStandardStream ? std::optional(STDIN_FILENO) : descriptorNamed(path);
+  };
+  const std::optional<int> number = numberOf(a);
+  if (number && number == numberOf(b)) return true;
+  const Identity identity = identityOfInput(a);
+  return identity && identity == identityOfInput(b);
+}
+
 void addSources(const std::string& folder, std::vector<std::string>& files) try {
   for (const ShaderSource& source : readShaderSources(folder + "/whitted.comp")) files.push_back(source.path);
 } catch (const InputError&) {
@@ -66,8 +76,7 @@ void refuseOverwriting(const std::vector<std::string>& outputs, const std::vecto
 void refuseSharedPipes(const std::vector<std::string>& inputs) {
   for (size_t i = 0; i < inputs.size(); ++i)
     for (size_t j = 0; j < i; ++j)
-      if (isStream(inputs[i]) && isStream(inputs[j]) && identityOfInput(inputs[i]) &&
-          identityOfInput(inputs[i]) == identityOfInput(inputs[j]))
+      if (isStream(inputs[i]) && isStream(inputs[j]) && areOneStream(inputs[i], inputs[j]))
         throw InputError(nameOfInput(inputs[j]) + " and " + nameOfInput(inputs[i]) +
                          " are one pipe, which can be read once; write it into a file first");
 }

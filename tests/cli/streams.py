@@ -4,6 +4,7 @@ import json
 import os
 import pty
 import signal
+import socket
 import subprocess
 import time
 
@@ -178,11 +179,30 @@ class Streams(Command):
         self.assertTrue(report["command"].startswith("turner report - -o out"), report["command"])
         self.assertTrue(report["scenes"][0]["points"][0]["command"].startswith("turner render - -o stdin-"))
 
+    def test_a_socket_is_both_stdin_and_stdout(self):
+        """As of a server that starts a process for each of its clients."""
+        witness = self.rendered()
+        ours, theirs = socket.socketpair()
+        with ours:
+            with theirs:
+                process = subprocess.Popen([str(PROGRAM), "render", "/dev/stdin", *QUICK, "--quiet", "-o", "-"],
+                                           cwd=self.folder, stdin=theirs, stdout=theirs)
+            ours.sendall(SPHERE.encode())
+            ours.shutdown(socket.SHUT_WR)
+            received = b"".join(iter(lambda: ours.recv(1 << 16), b""))
+        self.assertEqual(process.wait(TIMEOUT), DONE)
+        self.assertEqual(len(received), len(witness) - len("scene") + len("stdin"))
+        self.write("out.exr", received)
+        self.assertEqual(Exr(self.path("out.exr")).bits(), Exr(self.path("witness.exr")).bits())
+
     def test_one_pipe_cannot_be_read_twice(self):
         os.mkfifo(self.path("fifo.exr"))
         self.refuse("compare", "fifo.exr", "./fifo.exr", says=["fifo.exr", "read once"])
         self.refuse("report", "-", "-", "-o", "out", says=["<stdin>", "read once"], stdin=subprocess.PIPE)
-        self.refuse("compare", "-", "/dev/stdin", says=["<stdin>", "read once"], stdin=subprocess.PIPE)
+        ours, theirs = socket.socketpair()
+        with ours, theirs:
+            for stdin in (subprocess.PIPE, theirs):
+                self.refuse("compare", "-", "/dev/stdin", says=["<stdin>", "read once"], stdin=stdin)
 
     def test_what_has_no_end_is_refused(self):
         self.path("zero.json").symlink_to("/dev/zero")

@@ -147,17 +147,28 @@ class Overwriting(Session):
         self.assertEqual(self.path("scene.json").read_text(), text)
 
 
+    def test_a_mesh_that_is_a_pipe_is_refused_and_not_waited_for(self):
+        os.mkfifo(self.path("pipe.obj"))
+        with self.watch(outputs=("out.exr",)) as w:
+            w.picture()
+            before = self.exr()
+            self.write_scene(BALL | {"meshes": [{"file": "pipe.obj", "material": "clay"}]})
+            self.assertIn("regular file", w.refused()["diagnoses"][0]["message"], w)
+            self.assertEqual(self.exr(), before)
+
+
 class Told(Session):
     def run_watch(self, by, code, **options):
         command = [str(PROGRAM), "watch", "scene.json", "--shaders", "kernel", "-o", "out.exr"]
-        process = subprocess.Popen(command, cwd=self.folder, env=self.environment(), stdin=subprocess.DEVNULL, **options)
+        process = subprocess.Popen(command, cwd=self.folder, env=self.environment(), stdin=subprocess.DEVNULL,
+                                   start_new_session=True, **options)
         self.addCleanup(process.kill)
         self.assertTrue(wait_until(self.path("out.exr").exists, TIMEOUT))
         before = self.exr()
         self.edit("shade.glsl", SHADE, HALF)
         self.assertTrue(wait_until(lambda: self.exr() != before and self.exr() == self.rendered(), TIMEOUT))
         self.assertIsNone(process.poll())
-        process.send_signal(by)
+        os.killpg(process.pid, by)  # its children too, as a terminal does
         self.assertEqual(process.wait(TIMEOUT), code)
         self.check_nobody_left()
         self.assertEqual(self.temporary_files(), [])
@@ -167,8 +178,12 @@ class Told(Session):
             self.run_watch(signal.SIGTERM, 143, stdout=full, stderr=full)
 
     def test_a_hang_up_ends_it_with_its_processes(self):
-        """The terminal sends it to all of them."""
-        self.run_watch(signal.SIGHUP, 129, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        """And none of them is said to have died."""
+        with open(self.path("errors"), "w") as errors:
+            self.run_watch(signal.SIGHUP, 129, stdout=subprocess.DEVNULL, stderr=errors)
+        errors = self.path("errors").read_text()
+        self.assertTrue(errors.endswith("turner: error: interrupted; watching has ended\n"), errors)
+        self.assertEqual(errors.count("error"), 1, errors)
 
     def test_events_that_cannot_be_written_are_a_failure(self):
         with open("/dev/full", "w") as full:
