@@ -1,6 +1,7 @@
 """What is only told never ends the work; what is printed as a result must arrive."""
 
 import os
+import signal
 import subprocess
 
 from support.command import DONE, FAILED, SMALL, TINY, Command
@@ -96,19 +97,30 @@ class Told(Command):
                 self.assertEqual(run.returncode, FAILED, run)
                 self.assertIn("Bad file descriptor", run.stderr)
 
-    def test_a_stderr_that_takes_no_more_is_waited_for(self):
+    def stalled(self):
+        """Both ends of a pipe that takes no more."""
         ours, theirs = os.pipe()
+        self.addCleanup(os.close, ours)
         os.set_blocking(theirs, False)
         try:
             while True:
                 os.write(theirs, bytes(4096))
         except BlockingIOError:
             os.set_blocking(theirs, True)
-        args = ["render", "scene.json", *SMALL, *REFERENCE, "--width", "nonsense"]
-        process = subprocess.Popen([str(PROGRAM), *args], cwd=self.folder, stderr=theirs, stdout=subprocess.DEVNULL)
-        os.close(theirs)
-        with self.assertRaises(subprocess.TimeoutExpired):
-            process.wait(1)
-        os.read(ours, 1 << 16)
-        self.assertEqual(process.wait(60), 2)
-        os.close(ours)
+        return ours, theirs
+
+    def test_a_stderr_that_takes_no_more_is_waited_for_until_ctrl_c(self):
+        for act in ("read", "interrupt"):
+            with self.subTest(act):
+                ours, theirs = self.stalled()
+                command = [str(PROGRAM), "render", "missing.json"]
+                process = subprocess.Popen(command, cwd=self.folder, stderr=theirs, stdout=subprocess.DEVNULL)
+                os.close(theirs)
+                self.addCleanup(process.kill)
+                with self.assertRaises(subprocess.TimeoutExpired):
+                    process.wait(1)
+                if act == "read":
+                    os.read(ours, 1 << 16)
+                else:
+                    process.send_signal(signal.SIGINT)
+                self.assertEqual(process.wait(60), 2)
