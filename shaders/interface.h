@@ -49,6 +49,7 @@ TURNER_FEATURE(Cones, 22, bool, CONES, true, cones)
 TURNER_FEATURE(SlopedCones, 23, bool, SLOPED_CONES, true, slopedCones)       // a cone that is no cylinder
 TURNER_FEATURE(SteepCones, 24, bool, STEEP_CONES, true, steepCones)          // one that is flatter than 45 degrees
 TURNER_FEATURE(FarCones, 25, bool, FAR_CONES, true, farCones)                // a cone many radii away from the eye
+TURNER_CONSTANT(LoopsAtHead, 26, bool, LOOPS_AT_HEAD, false)                 // the device needs loops that end at their head
 
 // --- bindings of descriptor set 0 ---
 TURNER_BLOCK(Frame, 0, readonly, Frame, frameInMemory, , "the frame")

@@ -81,23 +81,30 @@ struct Crossing {
   vec2 etaRatio;  // index of refraction behind over that before, the sum of two floats
 };
 
+// The first turn of a loop is made in any case: an id of 0 is passed over.
+bool isInterfaceAt(const uvec4 interfaces, const uint i) {
+  return i == 0u || (i < kMaxInterfaces && idAt(interfaces, i) != 0u);
+}
+
 // The ray is in `media` and meets `interfaces` on a surface of this material. The sets are what is true: to enter a medium once
 // more, or to leave it again, changes nothing. Nothing goes on through an opaque surface.
 Crossing crossInterfaces(const uvec4 media, const uvec4 allInterfaces, const Material material, const bool front) {
   uvec4 interfaces = material.transmittance > 0.0 ? allInterfaces : uvec4(0u), beyond = media;
   uint i = 0u;
   do {
+    if (LOOPS_AT_HEAD && !isInterfaceAt(interfaces, i)) break;
     uint interfaceId = idAt(interfaces, i);
     if (interfaceId != 0u && (interfaceId & kInterfaceFront) == 0u) beyond = without(beyond, interfaceId);
     ++i;
-  } while (i < kMaxInterfaces && idAt(interfaces, i) != 0u);
+  } while (LOOPS_AT_HEAD || isInterfaceAt(interfaces, i));
   i = 0u;
   do {
+    if (LOOPS_AT_HEAD && !isInterfaceAt(interfaces, i)) break;
     uint interfaceId = idAt(interfaces, i), medium = interfaceId & ~kInterfaceFront;
     // At a thin edge a ray may meet both sides of a medium at once: in the end it is out.
     if ((interfaceId & kInterfaceFront) != 0u && !has(interfaces, medium)) beyond = withMedium(beyond, medium);
     ++i;
-  } while (i < kMaxInterfaces && idAt(interfaces, i) != 0u);
+  } while (LOOPS_AT_HEAD || isInterfaceAt(interfaces, i));
 
   Medium before = mediumAt(activeMedium(media)), behind = mediumAt(activeMedium(beyond));
   bool isMedium = material.glass != 0u;

@@ -146,25 +146,33 @@ void nextPrimitive(const uint type, const bool both, inout TraversalState traver
 // traverse subtract them from the budget, those too whose other lanes call it.
 int idleTurns(const bool visitsNodes) { return visitsNodes ? 3 : int(SPHERES) + int(CONES) + int(TRIANGLES); }
 
+bool isAtNode(const TraversalState traversal) { return (traversal.next & kRefLeaf) == 0u; }
+bool isAtLeaf(const TraversalState traversal) {
+  return (traversal.next & kRefLeaf) != 0u && traversal.next < kRefNext;
+}
+
 // Goes through the tree. Leaves and nodes have loops of their own: lavapipe 22.3 executes both sides of every branch,
 // but leaves a loop when no lane is in it. It looks for that at the loop's end; a condition at the loop's head would cost it
-// one more turn with no lane in it.
+// one more turn with no lane in it (docs/kernel.md, Loops).
 void traverseTree(const Ray ray, const RayFactors factors, const bool anyHit, const uint kind, const float reach,
                   inout TraversalState traversal, inout int budget) {
   if (traversal.next == kRefNone || budget <= 0) return;
   do {
+    if (LOOPS_AT_HEAD && (traversal.next == kRefNone || budget <= 0)) break;
     budget -= 3;  // this turn, and those of the loops inside that no lane takes
     if (traversal.next == kRefNext) popNode(traversal);
     if (traversal.next == kRefNext) takeEntry(traversal, traversal.tMax * reach);
-    if ((traversal.next & kRefLeaf) == 0u && budget > 0) {
+    if (isAtNode(traversal) && budget > 0) {
       do {
+        if (LOOPS_AT_HEAD && (!isAtNode(traversal) || budget <= 0)) break;
         --budget;
         visitNode(ray, factors, traversal);
         if (COUNTERS) ++nodesVisited[kind];
-      } while ((traversal.next & kRefLeaf) == 0u && budget > 0);
+      } while (LOOPS_AT_HEAD || (isAtNode(traversal) && budget > 0));
     }
-    if ((traversal.next & kRefLeaf) != 0u && traversal.next < kRefNext && budget > 0) {
+    if (isAtLeaf(traversal) && budget > 0) {
       do {
+        if (LOOPS_AT_HEAD && (!isAtLeaf(traversal) || budget <= 0)) break;
         --budget;
         bool both;
         uint type = typeOf(traversal.next);
@@ -172,17 +180,23 @@ void traverseTree(const Ray ray, const RayFactors factors, const bool anyHit, co
                                         both);
         nextPrimitive(type, both, traversal);
         if (anyHit && taken) traversal.next = kRefNone;
-      } while (traversal.next < kRefNext && budget > 0);
+      } while (LOOPS_AT_HEAD || (traversal.next < kRefNext && budget > 0));
     }
-  } while (traversal.next != kRefNone && budget > 0);
+  } while (LOOPS_AT_HEAD || (traversal.next != kRefNone && budget > 0));
+}
+
+// Whether nothing is left of a list up to `end`.
+bool isBehindList(const TraversalState traversal, const uint end) {
+  return traversal.next == kRefNone || (traversal.next == kRefNext && traversal.list.first >= end);
 }
 
 // Goes through the primitives of one type in a list, from its next entry to `end`. Of the last pair the second triangle
 // may be left: traversal.next names it.
 void traversePrimitives(const Ray ray, const RayFactors factors, const uint type, const uint end, const bool anyHit,
                         const uint kind, const float reach, inout TraversalState traversal, inout int budget) {
-  if (traversal.next == kRefNone || (traversal.next == kRefNext && traversal.list.first >= end) || budget <= 0) return;
+  if (isBehindList(traversal, end) || budget <= 0) return;
   do {
+    if (LOOPS_AT_HEAD && (isBehindList(traversal, end) || budget <= 0)) break;
     --budget;
     ListEntry entry = listEntryAt(traversal.list.first);
     bool again = type == kPairs && traversal.next != kRefNext;
@@ -196,7 +210,7 @@ void traversePrimitives(const Ray ray, const RayFactors factors, const uint type
       if (type == kPairs && both) traversal.next = primitive | kRefSecond;
       if (anyHit && taken) traversal.next = kRefNone;
     }
-  } while (traversal.next != kRefNone && (traversal.next != kRefNext || traversal.list.first < end) && budget > 0);
+  } while (LOOPS_AT_HEAD || (!isBehindList(traversal, end) && budget > 0));
 }
 
 // Goes along a list that holds no nodes: its spheres, its cones, its pairs.

@@ -138,9 +138,10 @@ void followRay(inout int budget) {
     if (phase == kNextLight && (reflectsNoLight(material) || crossing.hidden)) lightIndex = LIGHTS;
     if (lightIndex < LIGHTS && budget > 0) {
       do {
+        if (LOOPS_AT_HEAD && (lightIndex >= LIGHTS || budget <= 0)) break;
         budget -= 1 + idleTurns(SHADOW_NODES);
         addLight(surface, material, budget);
-      } while (lightIndex < LIGHTS && budget > 0);
+      } while (LOOPS_AT_HEAD || (lightIndex < LIGHTS && budget > 0));
     }
     if (phase == kNextLight && lightIndex >= LIGHTS) {
       if (crossing.hidden)
@@ -179,8 +180,9 @@ void main() {
   int budget = int(BUDGET);
   if (phase != kDone) {
     do {
+      if (LOOPS_AT_HEAD && (phase == kDone || budget <= 0)) break;
       followRay(budget);
-    } while (phase != kDone && budget > 0);
+    } while (LOOPS_AT_HEAD || (phase != kDone && budget > 0));
   }
 
   if (COUNTERS && hasSlot && (FRESH || !finishedBefore)) saveCounts();

@@ -3,6 +3,7 @@
 # `tests/run.sh timing` runs those that measure time, one after the other, on a machine that should do nothing else;
 # `tests/run.sh long` those that take some five minutes each and guard figures that seldom move.
 # usage: tests/run.sh [timing|long] [arguments of ctest]    TURNER_PRESET=debug|sanitize tests/run.sh: another build
+#        TURNER_DEVICE=SwiftShader tests/run.sh: by a second driver, which takes hours, since it compiles slowly
 set -eu
 cd "$(dirname "$0")/.."
 
@@ -16,4 +17,11 @@ preset=${TURNER_PRESET:-release}
 cmake/setup.sh chromium chromium-driver python3-selenium fonts-dejavu-core
 cmake --preset "$preset"
 cmake --build --preset "$preset"
-TURNER_DEVICE=${TURNER_DEVICE:-llvmpipe} ctest --preset "$preset" "$@"
+TURNER_DEVICE=${TURNER_DEVICE:-llvmpipe}
+export TURNER_DEVICE
+if [ "$TURNER_DEVICE" = SwiftShader ]; then
+  # A driver that no folder of the loader's names: the browser brings it.
+  VK_DRIVER_FILES=$(dpkg-query -L chromium-common | grep '/vk_swiftshader_icd.json$')
+  export VK_DRIVER_FILES
+fi
+ctest --preset "$preset" "$@"

@@ -37,11 +37,13 @@ UploadedScene::UploadedScene(Scene scene, const RenderSettings& settings, const 
     : quiet_(options.quiet),
       session_(chooseDeviceFor(options.device), options.access,
                {.tile = options.tile, .workGroup = options.workGroup}) {
+  session_.prepare(std::move(scene), settings);
   const DeviceInfo& device = session_.device();
-  if (!quiet_)
+  if (!quiet_) {
     tell("device: {}: {} ({}, {}), fetching {}\n", device.index, device.name, device.type, device.driver,
          accessName(session_.access()));
-  session_.prepare(std::move(scene), settings);
+    if (!session_.note().empty()) tell("note: {}\n", session_.note());
+  }
   throwIfInterrupted();
   kernel_ = session_.compile(shaderFolder(options.shaders) + "/whitted.comp");
   throwIfInterrupted();

@@ -16,6 +16,7 @@ struct Dispatching {
   // Iterations of an invocation's loops in one dispatch, at least kLeastBudget; 0: what the device bears, see layout.h.
   // Tests set others.
   uint32_t budget = 0;
+  bool loopsAtHead = false;  // the kernel's loops end at their head, also where the device does not need it (tests)
   // Called before the driver is given a pipeline to compile, which may take longer than any dispatch; the next call of
   // progress tells that it is done.
   std::function<void()> compiles;

@@ -290,6 +290,12 @@ size_t PackedScene::bytes() const {
          vertexNormals.size() * sizeof(gpu::VertexNormals);
 }
 
+size_t PackedScene::largestArray() const {
+  return std::max({nodes.size() * sizeof(gpu::Node), primitives.size() * sizeof(gpu::Word4),
+                   vertexNormals.size() * sizeof(gpu::VertexNormals), materials.size() * sizeof(gpu::Word4),
+                   lights.size() * sizeof(gpu::Light), lightBuffers.size() * sizeof(gpu::Word4)});
+}
+
 PackedScene packScene(const PreparedGeometry& prepared, const Bvh& bvh, const RenderSettings& settings,
                       TraversalStart start) {
   const Placement placement = placeElements(prepared, bvh);

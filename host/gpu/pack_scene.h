@@ -25,7 +25,8 @@ struct PackedScene {
   Features features;
   int treeDepth = 0;
   size_t primitiveCount = 0;
-  size_t bytes() const;  // of geometry, tree and light buffers on the device
+  size_t bytes() const;         // of geometry, tree and light buffers on the device
+  size_t largestArray() const;  // bytes
 };
 
 // Where eye and shadow rays start traversal: in the cell lists, or at the root as all others do (tests, measurements).

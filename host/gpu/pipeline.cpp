@@ -60,7 +60,7 @@ vk::DescriptorType bindingType(uint32_t binding, BufferAccess access) {
 
 // What a scene, its settings and the device ask of a kernel.
 Constants specialise(const Features& features, const RenderSettings& settings, uint32_t workGroup, uint32_t budget,
-                     bool counters, bool fresh) {
+                     bool counters, bool fresh, bool loopsAtHead) {
   Constants constants = constantsOf(features);
   constants[gpu::kSpecWorkGroup] = workGroup;
   constants[gpu::kSpecDepth] = uint(settings.depth);
@@ -76,6 +76,7 @@ Constants specialise(const Features& features, const RenderSettings& settings, u
   constants[gpu::kSpecCounters] = counters;
   constants[gpu::kSpecBudget] = budget;
   constants[gpu::kSpecFresh] = fresh;
+  constants[gpu::kSpecLoopsAtHead] = loopsAtHead;
   return constants;
 }
 

@@ -30,9 +30,9 @@ struct Pipeline {
 vk::DescriptorType bindingType(uint32_t binding, BufferAccess access);
 
 // The constants of a kernel for this scene, these settings and this device. `budget`: iterations of an invocation's
-// loops in one dispatch. `fresh`: it begins its pixels, else it resumes them.
+// loops in one dispatch. `fresh`: it begins its pixels, else it resumes them. `loopsAtHead`: see DeviceTrust.
 Constants specialise(const Features& features, const RenderSettings& settings, uint32_t workGroup, uint32_t budget,
-                     bool counters, bool fresh);
+                     bool counters, bool fresh, bool loopsAtHead);
 
 // Pipelines that were used last, kept for later renders.
 class KeptPipelines {

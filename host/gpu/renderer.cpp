@@ -20,6 +20,14 @@ BufferAccess ShaderRenderer::access() const {
   return scene_->access;
 }
 
+void ShaderRenderer::plan(const PackedScene& scene) {
+  scene_->plan(scene);
+}
+
+const std::string& ShaderRenderer::note() const {
+  return scene_->trust.note;
+}
+
 void ShaderRenderer::upload(PackedScene scene) {
   scene_->upload(std::move(scene));
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 
 #include "gpu/devices.h"
 #include "gpu/dispatching.h"
@@ -32,10 +33,16 @@ class ShaderRenderer {
   explicit ShaderRenderer(const DeviceInfo& device, BufferAccess access = BufferAccess::automatic);
   ~ShaderRenderer();
 
-  // How its kernels are to fetch, see accessPreamble.
+  // Chooses how this scene will be fetched, by what fits, and tests the device (gpu/self_test.h). Throws RunError when
+  // its pictures would be wrong.
+  void plan(const PackedScene& scene);
+  // How kernels are to fetch the scene that was planned last, see accessPreamble.
   BufferAccess access() const;
+  // What the user should know of how the device is used; mostly empty.
+  const std::string& note() const;
 
-  // Puts the scene into the device's memory, and frees it part by part. Throws InputError when it does not fit.
+  // Puts the scene into the device's memory, and frees it part by part. Throws InputError when it does not fit, and as
+  // plan() does.
   void upload(PackedScene scene);
 
   // Renders the uploaded scene. Work is cut into dispatches well below a driver's watchdog; progress is called between

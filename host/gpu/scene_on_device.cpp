@@ -19,29 +19,49 @@ std::span<const std::byte> bytesOf(const std::vector<T>& values) {
   return std::as_bytes(std::span<const T>(values));
 }
 
-// The way of fetching that suits a device.
-BufferAccess chooseAccess(const Device& device, BufferAccess wanted) {
-  if (wanted == BufferAccess::automatic)
-    return device.isCpu() && device.canAccess(BufferAccess::texelBuffer)      ? BufferAccess::texelBuffer
-           : !device.isCpu() && device.canAccess(BufferAccess::deviceAddress) ? BufferAccess::deviceAddress
-                                                                              : BufferAccess::storageBuffer;
-  if (!device.canAccess(wanted))
-    throw InputError("the device " + device.info().name + " cannot fetch rows as " + accessName(wanted));
-  return wanted;
+// The way of fetching that suits a device best, of those in which it can read an array of this size.
+BufferAccess chooseAccess(const Device& device, BufferAccess wanted, size_t largestArray) {
+  if (wanted != BufferAccess::automatic) {
+    if (!device.canAccess(wanted))
+      throw InputError("the device " + device.info().name + " cannot fetch rows as " + accessName(wanted));
+    return wanted;
+  }
+  using Ways = std::array<BufferAccess, 3>;
+  const Ways ways = device.isCpu()
+                        ? Ways{BufferAccess::texelBuffer, BufferAccess::storageBuffer, BufferAccess::deviceAddress}
+                        : Ways{BufferAccess::deviceAddress, BufferAccess::storageBuffer, BufferAccess::texelBuffer};
+  std::optional<BufferAccess> widest;
+  for (const BufferAccess way : ways) {
+    if (!device.canAccess(way)) continue;
+    if (device.mostBytes(way) >= largestArray) return way;
+    if (!widest || device.mostBytes(way) > device.mostBytes(*widest)) widest = way;
+  }
+  return *widest;  // the upload will say by how much it is too small
+}
+
+void checkBindings(const Device& device, BufferAccess access) {
+  const uint bindings = device.limits().maxPerStageDescriptorStorageBuffers;
+  const uint needed = access == BufferAccess::storageBuffer ? gpu::kBindCount : gpu::kBindNodes;
+  if (bindings < needed)
+    throw RunError("the device " + device.info().name + " binds " + std::to_string(bindings) +
+                   " storage buffers; turner needs " + std::to_string(needed));
 }
 
 }  // namespace
 
-SceneOnDevice::SceneOnDevice(const DeviceInfo& info, BufferAccess wanted)
-    : device(info), access(chooseAccess(device, wanted)) {
-  const uint bindings = device.limits().maxPerStageDescriptorStorageBuffers;
-  const uint needed = access == BufferAccess::storageBuffer ? gpu::kBindCount : gpu::kBindNodes;
-  if (bindings < needed)
-    throw RunError("the device " + info.name + " binds " + std::to_string(bindings) +
-                   " storage buffers; turner needs " + std::to_string(needed));
+SceneOnDevice::SceneOnDevice(const DeviceInfo& info, BufferAccess wantedAccess)
+    : device(info), wanted(wantedAccess), access(chooseAccess(device, wanted, 0)) {}
+
+void SceneOnDevice::plan(const PackedScene& scene) {
+  access = chooseAccess(device, wanted, scene.largestArray());
+  checkBindings(device, access);
+  if (tested_ == access) return;
+  trust = testDevice(device, access, selfTestSources());
+  tested_ = access;
 }
 
 void SceneOnDevice::upload(PackedScene scene) {
+  plan(scene);
   features = scene.features;
   view = scene.view;
   const auto uploadWords = [&](uint binding, auto& values, const char* name) {

@@ -3,31 +3,41 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 
 #include "gpu/devices.h"
 #include "gpu/pack_scene.h"
 #include "gpu/pipeline.h"
+#include "gpu/self_test.h"
 #include "gpu/vulkan_device.h"
 #include "kernel/buffer_access.h"
 
 namespace turner {
 
 struct SceneOnDevice {
-  // Opens the device. Throws RunError when it cannot be opened or binds too few buffers, InputError when it cannot
-  // fetch in the wanted way.
+  // Opens the device. Throws RunError when it cannot be opened, InputError when it cannot fetch in the wanted way.
   SceneOnDevice(const DeviceInfo& info, BufferAccess wanted);
+
+  // Chooses how a scene will be fetched, and holds the device to the self-test. Throws InputError where the device
+  // binds too few buffers, RunError where it fails the test.
+  void plan(const PackedScene& scene);
 
   // Replaces the scene. Throws InputError when it does not fit.
   void upload(PackedScene scene);
 
   Device device;
-  BufferAccess access;  // never automatic
+  BufferAccess wanted;
+  BufferAccess access;  // how the scene is fetched; never automatic
+  DeviceTrust trust;    // for kernels that fetch so
   Features features;
   View view;
   std::array<Buffer, kSceneArrays> rows;  // from gpu::kBindNodes on
   KeptPipelines pipelines;
   // Work-groups in one dispatch: follows the measured times, from one tile to the next.
   uint32_t groupsPerDispatch = 64;
+
+ private:
+  std::optional<BufferAccess> tested_;
 };
 
 }  // namespace turner

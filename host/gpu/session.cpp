@@ -16,6 +16,7 @@ void RenderSession::prepare(Scene scene, const RenderSettings& settings) {
   packed_ = {};  // of a large scene no two are kept
   packed_ = prepareScene(std::move(scene), settings);
   tree_ = {.nodes = packed_.nodes.size(), .bytes = packed_.bytes(), .depth = packed_.treeDepth};
+  renderer_.plan(packed_);
   seconds_.build = watch.lap();
 }
 

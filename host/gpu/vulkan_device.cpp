@@ -33,7 +33,11 @@ Device::Device(const DeviceInfo& info) : info_(info), instance_(info.instance) {
   const auto properties =
       physical_->getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceMaintenance3Properties,
                                 vk::PhysicalDeviceSubgroupProperties>();
-  limits_ = properties.get<vk::PhysicalDeviceProperties2>().properties.limits;
+  const vk::PhysicalDeviceProperties& own = properties.get<vk::PhysicalDeviceProperties2>().properties;
+  limits_ = own.limits;
+  identity_ = info.name + '\n' + info.driver + '\n' + std::to_string(own.vendorID) + ' ' +
+              std::to_string(own.deviceID) + ' ' + std::to_string(own.driverVersion) + '\n' +
+              std::string(own.pipelineCacheUUID.begin(), own.pipelineCacheUUID.end());
   maxAllocation_ = properties.get<vk::PhysicalDeviceMaintenance3Properties>().maxMemoryAllocationSize;
   subgroupSize_ = std::max(1u, properties.get<vk::PhysicalDeviceSubgroupProperties>().subgroupSize);
   queueFamily_ = computeFamily(*physical_).value();
@@ -62,6 +66,14 @@ bool Device::canAccess(BufferAccess access) const {
   return access == BufferAccess::texelBuffer ? texelWords_ : access == BufferAccess::deviceAddress ? addresses_ : true;
 }
 
+vk::DeviceSize Device::mostBytes(BufferAccess access) const {
+  const vk::DeviceSize bound = access == BufferAccess::texelBuffer
+                                   ? vk::DeviceSize(limits_.maxTexelBufferElements) * kWordBytes
+                               : access == BufferAccess::storageBuffer ? vk::DeviceSize(limits_.maxStorageBufferRange)
+                                                                       : maxAllocation_;
+  return std::min(bound, maxAllocation_);
+}
+
 // --- buffers --------------------------------------------------------------------------------------------------------
 
 Buffer Device::makeBuffer(vk::DeviceSize size, vk::BufferUsageFlags usage, vk::MemoryPropertyFlags required,
@@ -76,7 +88,7 @@ Buffer Device::makeBuffer(vk::DeviceSize size, vk::BufferUsageFlags usage, vk::M
   const vk::DeviceSize texels = vk::DeviceSize(limits_.maxTexelBufferElements) * kWordBytes;
   if ((usage & vk::BufferUsageFlagBits::eStorageTexelBuffer) && result.size > texels)
     throw InputError(what + ", more than the device " + info_.name + " can fetch as texels (" + megabytes(texels) +
-                     ")");
+                     "); fetch buffers or addresses instead (--fetch)");
   if (result.size > maxAllocation_)
     throw InputError(what + ", more than the device " + info_.name + " can allocate at once (" +
                      megabytes(maxAllocation_) + ")");

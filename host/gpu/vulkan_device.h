@@ -36,6 +36,10 @@ class Device {
   bool isCpu() const { return info_.type == "CPU"; }
   uint32_t subgroupSize() const { return subgroupSize_; }
   bool canAccess(BufferAccess access) const;
+  // Most bytes of an array that kernels can read in this way.
+  vk::DeviceSize mostBytes(BufferAccess access) const;
+  // Differs wherever another driver, another build of it or another device may compute otherwise.
+  const std::string& identity() const { return identity_; }
 
   // A storage buffer on the device. Throws InputError when it exceeds a limit of the device, RunError when the memory
   // is exhausted; both name the buffer and its size.
@@ -69,6 +73,7 @@ class Device {
   std::shared_ptr<const Instance> instance_;
   std::optional<vk::raii::PhysicalDevice> physical_;
   vk::PhysicalDeviceLimits limits_;
+  std::string identity_;
   vk::DeviceSize maxAllocation_ = 0;
   uint32_t queueFamily_ = 0;
   uint32_t timestampBits_ = 0;

@@ -32,10 +32,6 @@ Image meanOf(const Image& a, const Image& b) {
   return mean;
 }
 
-bool isOurs(const std::string& name) {
-  return name.find(kSuffix) != std::string::npos;  // temporary ones of killed processes too
-}
-
 // The next number whose prime factors are 2 and 3, with which sobol is at its best, up to the most that there are.
 int smooth(int n) {
   for (; n < kMaxSamples; ++n) {
@@ -120,7 +116,7 @@ RenderPicture cached(const RenderPicture& render, const std::string& key) {
     } catch (const RunError&) {
       // A full or read-only cache costs the time to render next time.
     }
-    dropOldest(root, isOurs, kMostCached);
+    dropOldest(root, kSuffix, kMostCached);
     return image;
   };
 }

@@ -2,30 +2,21 @@
 // of all of that. Its name is its key's, so that a file under another's name is recognised by its content.
 #include "kernel/spirv_cache.h"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
-#include <cerrno>
-#include <cstdio>
 #include <cstring>
 #include <utility>
 
 #include "base/cache_folder.h"
-#include "base/descriptor_io.h"
 #include "base/text_file.h"
-#include "base/unique_fd.h"
 
 namespace turner {
 namespace {
 
 constexpr std::string_view kFormat = "turner SPIR-V cache 1\n";
 constexpr std::string_view kSuffix = ".spirv";
-constexpr size_t kHashSize = 64;          // of SHA-256 in hex
-constexpr size_t kMostBytes = 64u << 20;  // of a file; no shader comes near this
-using Counts = std::array<uint32_t, 2>;   // of files and words
+constexpr size_t kHashSize = 64;         // of SHA-256 in hex
+using Counts = std::array<uint32_t, 2>;  // of files and words
 
 std::string pathOf(const std::string& folder, const std::string& key) {
   return folder + '/' + key + std::string(kSuffix);
@@ -72,45 +63,6 @@ std::optional<CachedSpirv> decode(const std::string& key, std::string_view bytes
   return spirv;
 }
 
-// --- files ----------------------------------------------------------------------------------------------------------
-
-// The bytes of a regular file. Marks it as used, where that is allowed.
-std::optional<std::string> readAndMark(const std::string& path) {
-  // Not to wait, should somebody have put a pipe there.
-  const UniqueFd file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
-  struct stat found {};
-  if (file.number < 0 || ::fstat(file.number, &found) != 0 || !S_ISREG(found.st_mode)) return std::nullopt;
-  if (found.st_size < 0 || uint64_t(found.st_size) > kMostBytes) return std::nullopt;
-  std::string bytes(size_t(found.st_size), '\0');
-  size_t done = 0;
-  while (done < bytes.size()) {
-    const ssize_t got = ::read(file.number, bytes.data() + done, bytes.size() - done);
-    if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) return std::nullopt;
-    done += size_t(got);
-  }
-  (void)::futimens(file.number, nullptr);
-  return bytes;
-}
-
-// Unlike a picture's file this one is not brought to the disk before its name: waiting would cost more than the file
-// is worth, and the checksum tells what a power cut has left.
-void writeByRename(const std::string& path, std::string_view bytes) {
-  std::string temporary = path + ".XXXXXX";
-  UniqueFd file(::mkostemp(temporary.data(), O_CLOEXEC));
-  if (file.number < 0) return;
-  bool whole = writeAll(file.number, bytes);
-  // A network's disk may say that it is full only now.
-  whole &= ::close(std::exchange(file.number, -1)) == 0;
-  if (!whole || ::rename(temporary.c_str(), path.c_str()) != 0) ::unlink(temporary.c_str());
-}
-
-// Of the cache's files, those of other versions of Turner and temporary ones of killed processes included.
-bool isOurs(const std::string& name) {
-  return name.size() >= kHashSize + kSuffix.size() && name.find_first_not_of("0123456789abcdef") == kHashSize &&
-         name.compare(kHashSize, kSuffix.size(), kSuffix) == 0;
-}
-
 }  // namespace
 
 // --- the cache ------------------------------------------------------------------------------------------------------
@@ -132,15 +84,15 @@ std::string spirvKey(std::string_view compiler, const std::vector<ShaderSource>&
 
 std::optional<CachedSpirv> findCached(const std::string& folder, const std::string& key) {
   if (folder.empty()) return std::nullopt;
-  const std::optional<std::string> bytes = readAndMark(pathOf(folder, key));
+  const std::optional<std::string> bytes = readCached(pathOf(folder, key));
   return bytes ? decode(key, *bytes) : std::nullopt;
 }
 
 void keepCached(const std::string& folder, const std::string& key, const CachedSpirv& spirv) {
   if (folder.empty()) return;
   makeCacheFolder(folder);
-  writeByRename(pathOf(folder, key), encode(key, spirv));
-  dropOldest(folder, isOurs, kMostCached);
+  writeCached(pathOf(folder, key), encode(key, spirv));
+  dropOldest(folder, kSuffix, kMostCached);
 }
 
 }  // namespace turner

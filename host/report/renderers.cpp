@@ -54,7 +54,11 @@ class ReferencePictures : public Renderer {
 class ShaderPictures : public Renderer {
  public:
   ShaderPictures(const Scene& scene, const DeviceInfo& device, const std::string& shaders)
-      : scene_(scene), session_(device), kernel_(session_.compile(shaders + "/whitted.comp")) {
+      : scene_(scene),
+        session_(device),
+        path_(shaders + "/whitted.comp"),
+        kernel_(session_.compile(path_)),
+        access_(session_.access()) {
     info.name = shortName(device);
     info.device = device.name;
     info.driver = device.driver;
@@ -70,6 +74,11 @@ class ShaderPictures : public Renderer {
     // The lists of what eye rays meet are made for a number of samples, as the render command makes them.
     if (settings.samples != packedSamples_) {
       session_.prepare(scene_, settings);
+      // A device may fetch larger arrays in another way, which takes another kernel.
+      if (session_.access() != access_) {
+        kernel_ = session_.compile(path_);
+        access_ = session_.access();
+      }
       session_.upload();
       packedSamples_ = settings.samples;
     }
@@ -81,7 +90,9 @@ class ShaderPictures : public Renderer {
  private:
   Scene scene_;
   RenderSession session_;
+  std::string path_;
   Spirv kernel_;
+  BufferAccess access_;
   int packedSamples_ = 0;
 };
 

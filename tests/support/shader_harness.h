@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdlib>
+#include <map>
 #include <memory>
 #include <string>
 
@@ -42,9 +43,12 @@ inline Spirv compileKernel(BufferAccess access) {
   return compileGlsl(TURNER_SHADERS_DIR "/whitted.comp", accessPreamble(access));
 }
 
+// For the scene that was uploaded last.
 inline const Spirv& kernel() {
-  static const Spirv spirv = compileKernel(renderer().access());
-  return spirv;
+  static std::map<BufferAccess, Spirv> kernels;
+  const auto [kernel, isNew] = kernels.try_emplace(renderer().access());
+  if (isNew) kernel->second = compileKernel(kernel->first);
+  return kernel->second;
 }
 
 inline PackedScene packed(const Scene& scene, const RenderSettings& settings,

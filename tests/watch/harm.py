@@ -44,7 +44,7 @@ class Harm(Session):
             for name, old, new in (
                 ("shade.glsl", SHADE, f"while (E.x != 2e9) {{ E.y += 1.0; }}\n  {SHADE}"),
                 ("whitted.comp", MAIN, f"{MAIN} for (uint i = 1u; i != 0u; i |= 1u) atomicAdd(status.unfinished, 0u);"),
-                ("whitted.comp", "} while (phase != kDone && budget > 0);", "} while (true);"),
+                ("whitted.comp", "} while (LOOPS_AT_HEAD || (phase != kDone && budget > 0));", "} while (true);"),
             ):
                 with self.subTest(new):
                     event, line = self.check_survives(w, name, old, new, event="refused", endless=True)

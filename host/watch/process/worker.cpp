@@ -115,7 +115,6 @@ class Worker {
       ready.device = device.name;
       ready.driver = device.driver;
       ready.deviceType = device.type;
-      ready.access = accessName(session_->access());
       ready.openSeconds = watch.lap();
     }
     if (job.reloadScene || !hasScene_) {
@@ -131,6 +130,8 @@ class Worker {
       ready.primitives = scene.primitiveCounts();
       ready.loadSeconds = watch.lap();
       session_->prepare(std::move(scene), ready.settings);
+      ready.access = accessName(session_->access());
+      if (!session_->note().empty()) ready.summary.notes.push_back(session_->note());
       session_->upload();
       ready.buildSeconds = session_->seconds().build;
       ready.uploadSeconds = session_->seconds().upload;

@@ -135,12 +135,15 @@ TEST(Render, DoesNotDependOnTheTree) {
 
 class AllScenes : public testing::TestWithParam<std::string> {};
 
-// The lists of eye and lights against walks from the root, and every way to fetch: the same bits.
-TEST_P(AllScenes, DoNotDependOnListsOrFetching) {
+// The lists of eye and lights against walks from the root, every way to fetch, loops that end at their head: the same
+// bits.
+TEST_P(AllScenes, DoNotDependOnListsFetchingOrLoops) {
   Scene scene = ours(GetParam());
   RenderSettings settings = settingsOf(scene, 120, 80);
   settings.depth = std::min(settings.depth, 5);
   const Image expected = renderShader(scene, settings);
+  EXPECT_TRUE(sameBits(test::renderer().render(test::kernel(), settings, {}, {.loopsAtHead = true}).image, expected))
+      << "loops that end at their head";
   test::renderer().upload(test::packed(scene, settings, TraversalStart::wholeTree));
   EXPECT_TRUE(sameBits(test::renderer().render(test::kernel(), settings).image, expected)) << "without lists";
   for (const BufferAccess access :

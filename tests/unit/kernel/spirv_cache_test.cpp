@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -23,6 +22,7 @@
 #include "kernel/compile.h"
 #include "kernel/shader_sources.h"
 #include "kernel/spirv_cache.h"
+#include "support/environment.h"
 #include "support/temporary_folder.h"
 
 namespace turner {
@@ -35,23 +35,6 @@ using testing::SizeIs;
 
 const std::string kHead =
     "#version 460\n#extension GL_GOOGLE_include_directive : require\nlayout(local_size_x = 1) in;\n";
-
-// An environment variable that has its value back at the end.
-class Variable {
- public:
-  Variable(const char* name, const char* value) : name_(name) {
-    if (const char* before = std::getenv(name)) before_ = before;
-    set(value);
-  }
-  ~Variable() { set(before_ ? before_->c_str() : nullptr); }
-  Variable(const Variable&) = delete;
-  Variable& operator=(const Variable&) = delete;
-  void set(const char* value) const { value ? setenv(name_, value, 1) : unsetenv(name_); }
-
- private:
-  const char* name_;
-  std::optional<std::string> before_;
-};
 
 std::string bytesOf(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
@@ -108,7 +91,7 @@ class SpirvCache : public testing::Test {
     return planted;
   }
 
-  const Variable home{"XDG_CACHE_HOME", ""};
+  const test::EnvironmentVariable home{"XDG_CACHE_HOME", ""};
   test::TemporaryFolder temporary;
   const fs::path folder = temporary.path;
   std::string shader;
@@ -391,7 +374,7 @@ TEST_F(SpirvCache, TheKeyHoldsCompilerNamesAndTexts) {
 }
 
 TEST_F(SpirvCache, TheFolderFollowsTheEnvironment) {
-  const Variable user("HOME", "/home/somebody");
+  const test::EnvironmentVariable user("HOME", "/home/somebody");
   home.set("/some/cache");
   EXPECT_EQ(cacheFolder(), "/some/cache/turner");
   for (const char* unusable : {"", "relative"}) {

@@ -20,6 +20,7 @@
 #include "report/page.h"
 #include "report/sweep.h"
 #include "report/tables.h"
+#include "support/environment.h"
 #include "support/temporary_folder.h"
 
 namespace turner::report {
@@ -333,9 +334,7 @@ TEST(ConvergedPicture, HasNumbersOfSamplesThatSuitSobol) {
 
 TEST(ConvergedPicture, IsFoundInTheCacheAgainAndNotUnderAnotherKey) {
   const test::TemporaryFolder folder;
-  const char* before = std::getenv("XDG_CACHE_HOME");
-  const std::string old = before ? before : "";
-  setenv("XDG_CACHE_HOME", folder.path.c_str(), 1);
+  const test::EnvironmentVariable home("XDG_CACHE_HOME", folder.path.c_str());
   std::vector<RenderSettings> asked;
   const Image first = cached(noisy(1, &asked), "key")(small());
   EXPECT_EQ(cached(noisy(1, &asked), "key")(small()).rgb, first.rgb);
@@ -351,7 +350,6 @@ TEST(ConvergedPicture, IsFoundInTheCacheAgainAndNotUnderAnotherKey) {
   EXPECT_EQ(cached(noisy(1, &asked), "key")(small()).rgb, first.rgb);
   EXPECT_EQ(cached(noisy(1, &asked), "key")(small()).rgb, first.rgb);
   EXPECT_EQ(asked.size(), 4u);
-  before ? setenv("XDG_CACHE_HOME", old.c_str(), 1) : unsetenv("XDG_CACHE_HOME");
 }
 
 // ---- the journal ----

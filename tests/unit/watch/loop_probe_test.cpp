@@ -301,27 +301,31 @@ INSTANTIATE_TEST_SUITE_P(
                 {{"", "whitted.comp", "  bool finishedBefore = phase == kDone;",
                   "  if (pixel.x == 17u && pixel.y > 40u) /*here*/while (sum.x >= 0.0) sum.x += 1.0;\n"
                   "  bool finishedBefore = phase == kDone;"}}},
-        Planted{
-            "LostIncrement",
-            {{"", "nested_dielectrics.glsl",
-              "  i = 0u;\n  do {\n    uint interfaceId = idAt(interfaces, i), medium = interfaceId & ~kInterfaceFront;",
-              "  i = 0u;\n  /*here*/do {\n"
-              "    uint interfaceId = idAt(interfaces, i), medium = interfaceId & ~kInterfaceFront;"},
-             {"", "nested_dielectrics.glsl", "beyond = withMedium(beyond, medium);\n    ++i;",
-              "beyond = withMedium(beyond, medium);"}},
-            "nested_glass"},
+        Planted{"LostIncrement",
+                {{"", "nested_dielectrics.glsl",
+                  "  i = 0u;\n  do {\n    if (LOOPS_AT_HEAD && !isInterfaceAt(interfaces, i)) break;\n"
+                  "    uint interfaceId = idAt(interfaces, i), medium = interfaceId & ~kInterfaceFront;",
+                  "  i = 0u;\n  /*here*/do {\n"
+                  "    uint interfaceId = idAt(interfaces, i), medium = interfaceId & ~kInterfaceFront;"},
+                 {"", "nested_dielectrics.glsl", "beyond = withMedium(beyond, medium);\n    ++i;",
+                  "beyond = withMedium(beyond, medium);"}},
+                "nested_glass"},
         Planted{"LostIncrementInAFor",
                 {{"", "canary.glsl", "  for (uint i = 0u; i < frame.canaryLength; ++i) ++sung;",
                   "  /*here*/for (uint i = 0u; i < frame.canaryLength;) ++sung;"}}},
         // A walk that nothing ends: neither its node nor the budget moves on.
         Planted{"NodesThatNeverEnd",
-                {{"", "traverse.glsl", "      do {\n        --budget;\n        visitNode(ray, factors, traversal);",
+                {{"", "traverse.glsl",
+                  "      do {\n        if (LOOPS_AT_HEAD && (!isAtNode(traversal) || budget <= 0)) break;\n"
+                  "        --budget;\n        visitNode(ray, factors, traversal);",
                   "      /*here*/do {"}},
                 "spot"},
-        Planted{
-            "ShapesThatNeverEnd",
-            {{"", "traverse.glsl", "  do {\n    --budget;\n    ListEntry entry", "  /*here*/do {\n    ListEntry entry"},
-             {"", "traverse.glsl", "traversal.list.first = within ? traversal.list.first + 1u : end;", ";"}}},
+        Planted{"ShapesThatNeverEnd",
+                {{"", "traverse.glsl",
+                  "  do {\n    if (LOOPS_AT_HEAD && (isBehindList(traversal, end) || budget <= 0)) break;\n"
+                  "    --budget;\n    ListEntry entry",
+                  "  /*here*/do {\n    ListEntry entry"},
+                 {"", "traverse.glsl", "traversal.list.first = within ? traversal.list.first + 1u : end;", ";"}}},
         // A function with a loop, called in loops.
         Planted{
             "InACalledFunction",
@@ -330,10 +334,11 @@ INSTANTIATE_TEST_SUITE_P(
               "nearestRoot(const float b,"},
              {"", "sphere.glsl", "bool isOther = c > 0.0 || b < 0.0;", "bool isOther = c > 0.0 || spin(b) < 0.0;"}}},
         // Others run inside of it, each to its end.
-        Planted{
-            "AroundOtherLoops",
-            {{"", "whitted.comp", "    do {\n      followRay(budget);", "    /*here*/do {\n      followRay(budget);"},
-             {"", "whitted.comp", "    } while (phase != kDone && budget > 0);", "    } while (phase != 77u);"}}},
+        Planted{"AroundOtherLoops",
+                {{"", "whitted.comp", "    do {\n      if (LOOPS_AT_HEAD && (phase",
+                  "    /*here*/do {\n      if (LOOPS_AT_HEAD && (phase"},
+                 {"", "whitted.comp", "    } while (LOOPS_AT_HEAD || (phase != kDone && budget > 0));",
+                  "    } while (phase != 77u);"}}},
         Planted{"AroundLongerLoops",
                 {{"", "whitted.comp", "  bool finishedBefore = phase == kDone;",
                   "  float x = float(pixelAt);\n  /*here*/while (x >= 0.0)\n"
@@ -348,18 +353,18 @@ INSTANTIATE_TEST_SUITE_P(
                   "  bool finishedBefore = phase == kDone;"}}},
         // Every dispatch ends, and the picture is never done.
         Planted{"LightsThatNeverEnd",
-                {{"", "whitted.comp", "      do {\n        budget -= 1 + idleTurns(SHADOW_NODES);",
-                  "      /*here*/do {\n        budget -= 1 + idleTurns(SHADOW_NODES);"},
+                {{"", "whitted.comp", "      do {\n        if (LOOPS_AT_HEAD && (lightIndex",
+                  "      /*here*/do {\n        if (LOOPS_AT_HEAD && (lightIndex"},
                  {"", "whitted.comp", "    ++lightIndex;\n", ""}},
                 "spheres",
                 kLongProbeBudget},
-        Planted{
-            "SamplesThatNeverEnd",
-            {{"", "whitted.comp", "    do {\n      followRay(budget);", "    /*here*/do {\n      followRay(budget);"},
-             {"", "whitted.comp", "sampleIndex < SAMPLES * SAMPLES ? kNextSample : kDone",
-              "sampleIndex < 0xffffffffu ? kNextSample : kDone"}},
-            "spheres",
-            kLongProbeBudget},
+        Planted{"SamplesThatNeverEnd",
+                {{"", "whitted.comp", "    do {\n      if (LOOPS_AT_HEAD && (phase",
+                  "    /*here*/do {\n      if (LOOPS_AT_HEAD && (phase"},
+                 {"", "whitted.comp", "sampleIndex < SAMPLES * SAMPLES ? kNextSample : kDone",
+                  "sampleIndex < 0xffffffffu ? kNextSample : kDone"}},
+                "spheres",
+                kLongProbeBudget},
         Planted{"BeforeAReturn",
                 {{"", "whitted.comp", "  bool finishedBefore = phase == kDone;",
                   "  if (pixel.y == 9u) {\n    /*here*/do sum.x += 1.0; while (sum.x > 0.0);\n    return;\n"
