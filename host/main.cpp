@@ -1,25 +1,23 @@
 // Turns the command line into a command, and every error into one message and an exit code.
 
-#include <cerrno>
 #include <csignal>
-#include <cstdio>
 #include <cstring>
 #include <exception>
 #include <new>
-#include <string>
 
 #include "base/errors.h"
+#include "base/interrupt.h"
+#include "base/tell.h"
 #include "command/commands.h"
-#include "command/interrupt.h"
 
 namespace {
 
-enum ExitCode { kDone = 0, kFailed = 1, kWrongInput = 2, kInterrupted = 130 };
+enum ExitCode { kDone = 0, kFailed = 1, kWrongInput = 2, kInterrupted = 128 };  // the last plus the signal's number
 
 // Diagnostics of a file say their place and that they are errors; everything else gets the program's name.
-int printError(const char* message, ExitCode code) {
+int printError(const char* message, int code) {
   const bool hasPlace = std::strstr(message, ": error: ") != nullptr;
-  std::fprintf(stderr, hasPlace ? "%s\n" : "turner: error: %s\n", message);
+  turner::tellOnStderr("{}{}\n", hasPlace ? "" : "turner: error: ", message);
   return code;
 }
 
@@ -46,23 +44,20 @@ int run(int argc, char** argv) {
   return kDone;
 }
 
-// What was printed is part of the result: a full disk behind stdout is a failure too.
-int flushed(int code) {
-  if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return code;
-  return printError((std::string("cannot write to standard output: ") + std::strerror(errno)).c_str(), kFailed);
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
-  // A file-size limit shall be an error of the write, not the end of the process with a temporary file left over.
+  turner::holdStandardDescriptors();
+  // Shall be errors of the write, not the end of the process with a temporary file left over: a limit on the size of
+  // files, and a pipe from which nobody reads any more.
   std::signal(SIGXFSZ, SIG_IGN);
+  std::signal(SIGPIPE, SIG_IGN);
   try {
-    return flushed(run(argc, argv));
+    return run(argc, argv);
   } catch (const turner::InputError& error) {
     return printError(error.what(), kWrongInput);
   } catch (const turner::Interrupted& error) {
-    return printError(error.what(), kInterrupted);
+    return printError(error.what(), kInterrupted + turner::interruptSignal());
   } catch (const turner::RunError& error) {
     return printError(error.what(), kFailed);
   } catch (const std::bad_alloc&) {

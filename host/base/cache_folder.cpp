@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/output_file.h"
+#include "base/descriptor_io.h"
 #include "base/unique_fd.h"
 
 namespace turner {

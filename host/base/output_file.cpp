@@ -8,22 +8,19 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
-#include <utility>
+#include <optional>
+#include <system_error>
 
+#include "base/descriptor_io.h"
 #include "base/errors.h"
+#include "base/file_identity.h"
+#include "base/temporary.h"
 #include "base/unique_fd.h"
 
 namespace turner {
 namespace {
 
 namespace fs = std::filesystem;
-
-// As many links in a row as the kernel follows.
-constexpr int kMaxLinks = 40;
-// Of the target's name that a temporary's name repeats, so that long names still leave room for the rest.
-constexpr size_t kNameBytes = 150;
-// Attempts at a name for the temporary that nobody else uses.
-constexpr int kMaxAttempts = 100;
 
 [[noreturn]] void refuse(const std::string& path, const std::string& why) {
   throw InputError(path + ": error: " + why);
@@ -33,65 +30,53 @@ constexpr int kMaxAttempts = 100;
   throw RunError(path + ": error: cannot write: " + call + ": " + std::strerror(error));
 }
 
-// A temporary file that goes away unless it was renamed.
-struct Temporary {
-  std::string path;
-  explicit Temporary(std::string made) : path(std::move(made)) {}
-  Temporary(const Temporary&) = delete;
-  Temporary& operator=(const Temporary&) = delete;
-  ~Temporary() {
-    if (!path.empty()) ::unlink(path.c_str());
-  }
-};
-
-// Follows symbolic links by hand, because the last one may point to a file that is yet to be made. Stops at what is no
-// link; of a ring of links it returns one, and the caller's next call fails with ELOOP.
-fs::path followLinks(const std::string& path) {
-  fs::path target = path;
-  for (int i = 0; i < kMaxLinks; ++i) {
-    std::error_code error;
-    const fs::path next = fs::read_symlink(target, error);
-    if (error) return target;
-    target = target.parent_path() / next;  // an absolute `next` replaces all of it
-  }
-  return target;
-}
-
 fs::path folderOf(const fs::path& file) {
   return file.has_parent_path() ? file.parent_path() : fs::path(".");
 }
 
-// Closing may be the moment at which a network file system reports that its disk is full.
-void closeFile(const std::string& path, UniqueFd& file) {
-  // After EINTR Linux has closed the file all the same.
-  if (::close(std::exchange(file.number, -1)) != 0 && errno != EINTR) fail(path, "close", errno);
+// Writes to what cannot be replaced by a rename: a device, a pipe, a descriptor that this process was started with.
+void writeInto(const std::string& path, int file, std::string_view bytes) {
+  if (!writeAll(file, bytes)) fail(path, "write", errno);
 }
 
-// Writes to what cannot be replaced by a rename: a device or a pipe.
-void writeInto(const std::string& path, std::string_view bytes) {
-  UniqueFd file(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
-  if (file.number < 0) fail(path, "open", errno);
-  if (!writeAll(file.number, bytes)) fail(path, "write", errno);
-  closeFile(path, file);
+// Closing may be the moment at which a network file system reports that its disk is full; closing a copy is, too, and
+// the file stays locked.
+void reportWhatClosingWould(const std::string& path, int file) {
+  const int copy = ::fcntl(file, F_DUPFD_CLOEXEC, 0);
+  // After EINTR Linux has closed it all the same.
+  if (copy < 0 || (::close(copy) != 0 && errno != EINTR)) fail(path, "close", errno);
 }
 
-// Makes a new file beside `target` and returns its path, its descriptor in `number`.
-std::string makeTemporary(const std::string& path, const fs::path& target, int& number) {
-  const std::string stem =
-      "." + target.filename().string().substr(0, kNameBytes) + ".turner-" + std::to_string(getpid());
-  for (int i = 0; i < kMaxAttempts; ++i) {
-    const std::string name = (folderOf(target) / (i == 0 ? stem : stem + "-" + std::to_string(i))).string();
-    number = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (number >= 0) return name;
-    if (errno != EEXIST) break;
-  }
-  fail(path, "open", errno);
+// The new file has the rights of the one that it replaces, as far as they can be given; where its group cannot, what
+// that group may, only those may who are all.
+void takeRightsOf(const struct stat& old, int file) {
+  struct stat made {};
+  if (::fstat(file, &made) != 0) return;
+  mode_t mode = old.st_mode & 07777;
+  if (made.st_uid != old.st_uid && ::fchown(file, old.st_uid, old.st_gid) != 0) mode &= ~mode_t(S_ISUID);
+  if (::fstat(file, &made) == 0 && made.st_gid != old.st_gid && ::fchown(file, uid_t(-1), old.st_gid) != 0)
+    mode = (mode & ~mode_t(S_IRWXG | S_ISGID)) | ((mode & S_IRWXO) << 3);
+  (void)::fchmod(file, mode);  // a file system without modes has none to keep
 }
 
 }  // namespace
 
+std::string nameOfOutput(const std::string& path) {
+  return path == kStandardStream ? "<stdout>" : path;
+}
+
+std::optional<int> openOutput(const std::string& path) {
+  return path == kStandardStream ? STDOUT_FILENO : descriptorNamed(path);
+}
+
 void checkWritable(const std::string& path) {
   if (path.empty()) throw InputError("the name of an output file is empty; name a file, such as picture.exr");
+
+  if (const std::optional<int> open = openOutput(path)) {
+    const int flags = ::fcntl(*open, F_GETFL);
+    if (flags < 0 || (flags & O_ACCMODE) == O_RDONLY) refuse(nameOfOutput(path), "is not open for writing");
+    return;
+  }
 
   // Look at what is there.
   struct stat found {};
@@ -123,30 +108,27 @@ void checkWritable(const std::string& path) {
   }
 }
 
-bool writeAll(int file, std::string_view bytes) {
-  while (!bytes.empty()) {
-    const ssize_t written = ::write(file, bytes.data(), bytes.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) return false;
-    bytes.remove_prefix(size_t(written));
-  }
-  return true;
-}
-
 void writeWholeFile(const std::string& path, std::string_view bytes) {
+  if (const std::optional<int> open = openOutput(path)) return writeInto(nameOfOutput(path), *open, bytes);
   struct stat found {};
-  if (::stat(path.c_str(), &found) == 0 && !S_ISREG(found.st_mode)) return writeInto(path, bytes);
-
-  const fs::path target = followLinks(path);
-  int number = -1;
-  Temporary temporary(makeTemporary(path, target, number));
-  UniqueFd file(number);
-  if (!writeAll(file.number, bytes)) fail(path, "write", errno);
-  // Bring the bytes to the disk before the name: else a power cut may leave an empty file under the new name.
-  if (::fsync(file.number) != 0) fail(path, "fsync", errno);
-  closeFile(path, file);
-  if (::rename(temporary.path.c_str(), target.c_str()) != 0) fail(path, "rename", errno);
-  temporary.path.clear();
+  const bool isThere = ::stat(path.c_str(), &found) == 0;
+  if (isThere && !S_ISREG(found.st_mode)) {
+    const UniqueFd file(openToWrite(path));
+    if (file.number < 0) fail(path, "open", errno);
+    return writeInto(path, file.number, bytes);
+  }
+  try {
+    Temporary temporary(followLinks(path), Temporary::Kind::file);
+    const int file = temporary.descriptor();
+    if (!writeAll(file, bytes)) fail(path, "write", errno);
+    if (isThere) takeRightsOf(found, file);
+    // Bring the bytes to the disk before the name: else a power cut may leave an empty file under the new name.
+    if (::fsync(file) != 0) fail(path, "fsync", errno);
+    reportWhatClosingWould(path, file);
+    temporary.moveIntoPlace();
+  } catch (const std::system_error& error) {
+    throw RunError(path + ": error: cannot write: " + error.what());
+  }
 }
 
 }  // namespace turner

@@ -5,6 +5,7 @@
 #include <nettle/base16.h>
 #include <nettle/sha2.h>
 #include <sys/stat.h>
+#include <sys/sysmacros.h>
 #include <unistd.h>
 
 #include <array>
@@ -12,32 +13,70 @@
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
+#include <optional>
 
+#include "base/descriptor_io.h"
 #include "base/errors.h"
+#include "base/interrupt.h"
 #include "base/reserve.h"
 #include "base/unique_fd.h"
 
 namespace turner {
 
+namespace {
+
+bool pipesAreRefused = false;
+
+// Descriptors that can be opened by their name are: a regular file is then read from its beginning.
+int openInput(const std::string& path) {
+  if (path == kStandardStream) return ::fcntl(STDIN_FILENO, F_DUPFD_CLOEXEC, 0);
+  const std::optional<int> open = descriptorNamed(path);
+  struct stat found {};
+  if (open && ::fstat(*open, &found) == 0 && !S_ISREG(found.st_mode)) return ::fcntl(*open, F_DUPFD_CLOEXEC, 0);
+  return openToRead(path);
+}
+
+// Such as /dev/zero, which has no end. /dev/null is as good as an empty file.
+bool isEndless(int file, const struct stat& status) {
+  if (S_ISBLK(status.st_mode)) return true;
+  return S_ISCHR(status.st_mode) && status.st_rdev != makedev(1, 3) && !::isatty(file);
+}
+
+}  // namespace
+
+std::string nameOfInput(const std::string& path) {
+  return path == kStandardStream ? "<stdin>" : path;
+}
+
+bool isStream(const std::string& path) {
+  struct stat found {};
+  if (path == kStandardStream) return true;
+  return ::stat(path.c_str(), &found) == 0 && !S_ISREG(found.st_mode) && !S_ISDIR(found.st_mode);
+}
+
 std::string readTextFile(const std::string& path) {
-  std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) throw InputError(path + ": error: is a folder, not a file");
-  const UniqueFd file(open(path.c_str(), O_RDONLY | O_CLOEXEC));
-  if (file.number < 0) throw InputError(path + ": error: cannot open: " + std::strerror(errno));
+  if (pipesAreRefused) refusePipe(path);
+  const std::string name = nameOfInput(path);
+  const UniqueFd file(openInput(path));
+  if (file.number < 0) throw InputError(name + ": error: cannot open: " + std::strerror(errno));
+  struct stat status {};
+  const bool isKnown = ::fstat(file.number, &status) == 0;
+  if (isKnown && S_ISDIR(status.st_mode)) throw InputError(name + ": error: is a folder, not a file");
+  if (isKnown && isEndless(file.number, status)) throw InputError(name + ": error: is a device, not a file or a pipe");
 
   // One byte more than the size, so that one more read tells the end. A pipe has no size, and a file may grow.
-  struct stat status {};
-  size_t room = fstat(file.number, &status) == 0 ? size_t(status.st_size) + 1 : 1;
+  size_t room = isKnown ? size_t(status.st_size) + 1 : 1;
   std::string text;
   for (size_t got = 0;; room = 2 * room + (size_t(1) << 16)) {
     text.reserve(room);
     prefault(text.data() + got, room - got);
     text.resize(room);
     while (got < room) {
-      const ssize_t count = read(file.number, text.data() + got, room - got);
-      if (count < 0 && errno == EINTR) continue;
-      if (count < 0) throw InputError(path + ": error: cannot read: " + std::strerror(errno));
+      const ssize_t count = readSome(file.number, text.data() + got, room - got);
+      if (count < 0) throw InputError(name + ": error: cannot read: " + std::strerror(errno));
       if (count == 0) {
+        // Ctrl-C ends the writer of a pipe too, and what it has written is no scene to complain about.
+        if (!isKnown || !S_ISREG(status.st_mode)) throwIfInterrupted();
         text.resize(got);
         return text;
       }
@@ -47,11 +86,11 @@ std::string readTextFile(const std::string& path) {
 }
 
 void refusePipe(const std::string& path) {
-  std::error_code ignored;
-  const std::filesystem::file_status status = std::filesystem::status(path, ignored);
-  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status) &&
-      !std::filesystem::is_directory(status))
-    throw InputError(path + ": error: is not a regular file");
+  if (isStream(path)) throw InputError(nameOfInput(path) + ": error: is not a regular file");
+}
+
+void refusePipes() {
+  pipesAreRefused = true;
 }
 
 std::string readRegularFile(const std::string& path) {

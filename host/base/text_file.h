@@ -6,11 +6,19 @@
 
 namespace turner {
 
-// All bytes of a file. Throws InputError naming the path and the system's reason.
+// The name "-" is standard input, and in messages <stdin>. (A file of this name is ./-)
+std::string nameOfInput(const std::string& path);
+// Whether it can be read once only, since it is no regular file: "-", a pipe, a terminal.
+bool isStream(const std::string& path);
+
+// All bytes of a file, or of a pipe up to its end. Throws InputError naming the path and the system's reason, and
+// Interrupted while it waits for a pipe.
 std::string readTextFile(const std::string& path);
 // The same, for a file that another file names or that is read again: at a pipe, for which one would have to wait, it
 // throws InputError too. The first only looks.
 void refusePipe(const std::string& path);
+// From here on readTextFile() does so too: in a process that nobody could ask to stop waiting.
+void refusePipes();
 std::string readRegularFile(const std::string& path);
 
 // ".json" of "a/Scene.JSON": what tells a file's kind, in lower case; empty where there is none.

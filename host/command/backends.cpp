@@ -1,15 +1,16 @@
 // Shader: rounded, packed, uploaded, dispatched, read back. Reference: traced on the host.
 #include "command/backends.h"
 
-#include <fmt/format.h>
-
 #include <functional>
 #include <utility>
 
+#include "base/interrupt.h"
 #include "base/stopwatch.h"
+#include "base/tell.h"
+#include "base/text_file.h"
 #include "command/data_folder.h"
 #include "command/device_choice.h"
-#include "command/interrupt.h"
+#include "command/overwriting.h"
 #include "command/progress_line.h"
 #include "geometry/round_scene.h"
 #include "kernel/buffer_access.h"
@@ -22,8 +23,8 @@ Scene loadAndPrint(const RenderOptions& options) {
   const std::string path = findScene(options.scene);
   Scene scene = loadScene(path);
   if (!options.quiet) {
-    fmt::print("scene: {} ({}, {} lights)\n", path, toText(scene.primitiveCounts()), scene.lights.size());
-    for (const std::string& note : scene.notes) fmt::print("{}\n", note);
+    tell("scene: {} ({}, {} lights)\n", nameOfInput(path), toText(scene.primitiveCounts()), scene.lights.size());
+    for (const std::string& note : scene.notes) tell("{}\n", note);
   }
   return scene;
 }
@@ -39,9 +40,9 @@ UploadedScene::UploadedScene(Scene scene, const RenderSettings& settings, const 
   session_.prepare(std::move(scene), settings);
   const DeviceInfo& device = session_.device();
   if (!quiet_) {
-    fmt::print("device: {}: {} ({}, {}), fetching {}\n", device.index, device.name, device.type, device.driver,
-               accessName(session_.access()));
-    if (!session_.note().empty()) fmt::print("{}\n", session_.note());
+    tell("device: {}: {} ({}, {}), fetching {}\n", device.index, device.name, device.type, device.driver,
+         accessName(session_.access()));
+    if (!session_.note().empty()) tell("{}\n", session_.note());
   }
   throwIfInterrupted();
   kernel_ = session_.compile(shaderFolder(options.shaders) + "/whitted.comp");
@@ -79,11 +80,13 @@ Stats UploadedScene::stats() const {
   return stats;
 }
 
-Rendered renderWithShader(Scene scene, const RenderSettings& settings, const RenderOptions& options, bool countRays) {
+Rendered renderWithShader(Scene scene, const RenderSettings& settings, const RenderOptions& options,
+                          const std::vector<std::string>& outputs) {
   UploadedScene uploaded(std::move(scene), settings, options);
+  refuseOverwriting(outputs, uploaded.sourceFiles());
   Rendered result;
   result.image = uploaded.render(settings);
-  if (countRays) uploaded.countRays(settings);
+  if (!options.stats.empty()) uploaded.countRays(settings);
   result.stats = uploaded.stats();
   return result;
 }

@@ -31,6 +31,8 @@ class UploadedScene {
   Image render(const RenderSettings& settings, const char* what = "tracing");
   void countRays(const RenderSettings& settings);
   Stats stats() const;
+  // Of the kernel, as the compiler has found them.
+  const std::vector<std::string>& sourceFiles() const { return kernel_.files; }
 
  private:
   bool quiet_;
@@ -39,7 +41,10 @@ class UploadedScene {
   Visits visits_;
 };
 
-Rendered renderWithShader(Scene scene, const RenderSettings& settings, const RenderOptions& options, bool countRays);
+// Counts rays if the options ask for figures. Throws InputError if one of the files that will be written is a source of
+// the kernel.
+Rendered renderWithShader(Scene scene, const RenderSettings& settings, const RenderOptions& options,
+                          const std::vector<std::string>& outputs);
 Rendered renderWithReference(const Scene& scene, const RenderSettings& settings, const RenderOptions& options);
 
 // What the reference traces: the scene as it is or, by --geometry, rounded as the kernel has it.

@@ -6,12 +6,14 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 #include <type_traits>
 #include <utility>
 
 #include "base/diagnostics.h"
 #include "base/errors.h"
 #include "base/number.h"
+#include "base/tell.h"
 
 namespace turner {
 namespace {
@@ -79,13 +81,21 @@ void addChoice(CLI::App& command, const std::string& name, Choice& value,
       ->type_name(allowed);
 }
 
+// A value that was forgotten would take the next option for one.
+void checkText(const std::string& option, const std::string& type, const std::string& found) {
+  if (found.empty()) refuse(option, found, "something");
+  if (found.starts_with("--") || found == "-o" || found == "-h")
+    refuse(option, found, "a value, not an option; write ./" + found + " if a file has this name");
+  if (type == "DIR" && found == "-") refuse(option, found, "a folder; write ./- if one has this name");
+}
+
 void addText(CLI::App& command, const std::string& name, std::string& value, const std::string& type,
              const std::string& text) {
   command
       .add_option_function<std::string>(
           name,
-          [name, &value](const std::string& found) {
-            if (found.empty()) refuse(name, found, "something");
+          [name, type, &value](const std::string& found) {
+            checkText(name, type, found);
             value = found;
           },
           text)
@@ -131,9 +141,10 @@ void addRenderOptions(CLI::App& command, RenderOptions& options) {
 }
 
 void addSceneAndOutputs(CLI::App& command, RenderOptions& options) {
-  command.add_option("SCENE", options.scene, "A .json or .nff scene")->required();
+  command.add_option("SCENE", options.scene, "A .json or .nff scene, or - for one from standard input")->required();
   command
-      .add_option("-o,--output", options.outputs, "File to write, .exr or .png; may be repeated (default: SCENE.exr)")
+      .add_option("-o,--output", options.outputs,
+                  "File to write, .exr or .png; may be repeated; -, or png:-, is standard output (default: SCENE.exr)")
       ->expected(1)
       ->allow_extra_args(false)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
@@ -146,14 +157,16 @@ void addRender(CLI::App& app, RenderOptions& options) {
   addChoice<Backend>(*command, "--backend", options.backend,
                      {{"shader", Backend::shader}, {"reference", Backend::reference}},
                      "Who renders: the shader, or the reference in double precision (default: shader)");
-  addText(*command, "--stats", options.stats, "FILE", "Write counts and times as JSON");
+  addText(*command, "--stats", options.stats, "FILE", "Write counts and times as JSON; - is standard output");
   addRenderOptions(*command, options);
 }
 
 void addCompare(CLI::App& app, CompareOptions& options, RenderOptions& render) {
   CLI::App* command =
       app.add_subcommand("compare", "Compare two EXR files, or a scene's shader picture with the reference's");
-  command->add_option("FILES", options.files, "A.exr B.exr, or one scene")->required()->expected(1, 2);
+  command->add_option("FILES", options.files, "A.exr B.exr, or one scene; - is standard input")
+      ->required()
+      ->expected(1, 2);
   addNumber(*command, "--max-rmse", options.bounds.rmse, INFINITY,
             "Fail (exit 1) if the root mean square error exceeds this");
   addNumber(*command, "--max-error", options.bounds.max, INFINITY,
@@ -162,7 +175,7 @@ void addCompare(CLI::App& app, CompareOptions& options, RenderOptions& render) {
             "Fail if the share of pixels off by more than --threshold exceeds this");
   addNumber(*command, "--threshold", options.threshold, INFINITY,
             "Error of a channel above which a pixel is bad (default: 0.001)");
-  addText(*command, "--error-image", options.errorImage, "FILE", "Write |A - B| as EXR");
+  addText(*command, "--error-image", options.errorImage, "FILE", "Write |A - B| as EXR; - is standard output");
   command->add_flag("--json", options.json, "Print the figures as JSON");
   command->add_flag("--decompose", options.decompose,
                     "Of a scene: tell the errors of sampling, of arithmetic and of the scene's rounding apart");
@@ -270,7 +283,9 @@ CommandLine parseCommandLine(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help) {
-    app.exit(help);
+    std::ostringstream text;
+    app.exit(help, text, text);
+    printResult(text.str());
     return line;
   } catch (const CLI::ExtrasError&) {
     throw InputError(unknownArgument(app, app.remaining(true).at(0)));
@@ -282,6 +297,7 @@ CommandLine parseCommandLine(int argc, char** argv) {
     throw InputError(error.what());
   }
 
+  for (const std::string& output : line.render.outputs) checkText("--output", "FILE", output);
   if (app.got_subcommand("render")) line.kind = CommandKind::render;
   if (app.got_subcommand("compare")) line.kind = CommandKind::compare;
   if (app.got_subcommand("watch")) line.kind = CommandKind::watch;
@@ -296,51 +312,6 @@ CommandLine parseCommandLine(int argc, char** argv) {
     throw InputError(
         fmt::format("{} takes one scene, not two pictures", compare.decompose ? "--decompose" : "--envelope"));
   return line;
-}
-
-namespace {
-
-Window parseCrop(const std::string& text, int width, int height) {
-  int numbers[4];
-  size_t at = 0;
-  for (int i = 0; i < 4; ++i) {
-    const size_t end = i < 3 ? text.find(',', at) : text.size();
-    long long value = 0;
-    if (end == std::string::npos ||
-        parseInteger(std::string_view(text).substr(at, end - at), value) != NumberFault::none || value < 0 ||
-        value > kMaxSize)
-      refuse("--crop", text, "four whole numbers x0,y0,x1,y1");
-    numbers[i] = int(value);
-    at = end + 1;
-  }
-  const Window crop{numbers[0], numbers[1], numbers[2], numbers[3]};
-  if (crop.x0 >= crop.x1 || crop.y0 >= crop.y1 || crop.x1 > width || crop.y1 > height)
-    throw InputError(fmt::format(
-        "--crop: found {}; must be a part of the {} x {} picture: 0 <= x0 < x1 <= {} and 0 <= y0 < y1 <= {}", text,
-        width, height, width, height));
-  return crop;
-}
-
-}  // namespace
-
-RenderSettings settingsFor(const Scene& scene, const RenderOptions& options) {
-  RenderSettings settings;
-  settings.width = options.width.value_or(scene.width);
-  settings.height = options.height.value_or(scene.height);
-  settings.crop = options.crop.empty() ? Window{0, 0, settings.width, settings.height}
-                                       : parseCrop(options.crop, settings.width, settings.height);
-  settings.samples = options.samples;
-  settings.sampler = options.sampler;
-  settings.seed = options.seed;
-  settings.depth = options.depth.value_or(scene.depth);
-  settings.minWeight = options.minWeight;
-  constexpr size_t kMaxPixels = size_t(1) << 28;
-  if (settings.crop.area() > kMaxPixels)
-    throw InputError(
-        fmt::format("a picture of {} x {} pixels is too large for one file; render it in parts with --crop "
-                    "of at most {} pixels",
-                    settings.crop.width(), settings.crop.height(), kMaxPixels));
-  return settings;
 }
 
 }  // namespace turner

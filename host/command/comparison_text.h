@@ -1,15 +1,16 @@
 // Figures of a comparison as lines for people.
 #pragma once
 
+#include <string>
+
 #include "image/compare.h"
 #include "image/envelope.h"
 #include "image/error_analysis.h"
 
 namespace turner {
 
-// To standard output.
-void printFigures(const Comparison& comparison, double threshold);
-void printDecomposition(const Decomposition& decomposition);
-void printEnvelope(const EnvelopeRule& rule);
+std::string figuresText(const Comparison& comparison, double threshold);
+std::string decompositionText(const Decomposition& decomposition);
+std::string envelopeText(const EnvelopeRule& rule);
 
 }  // namespace turner

@@ -1,10 +1,10 @@
 // `turner shaders --copy DIR`.
-#include <fmt/format.h>
-#include <unistd.h>
-
 #include <filesystem>
+#include <system_error>
 
 #include "base/errors.h"
+#include "base/tell.h"
+#include "base/temporary.h"
 #include "command/commands.h"
 #include "command/data_folder.h"
 
@@ -20,29 +20,36 @@ void makeWritable(const fs::path& folder) {
     fs::permissions(entry, fs::perms::owner_write, fs::perm_options::add);
 }
 
+// A copy inside of what is copied would have no end, and a shader's folder is no place for one.
+void refuseWithin(const fs::path& shaders, const fs::path& place, const std::string& folder) {
+  for (fs::path above = place; above != above.parent_path(); above = above.parent_path()) {
+    std::error_code missing;
+    if (fs::equivalent(above, shaders, missing))
+      throw InputError(folder + " is in the folder that is copied, " + shaders.string() + "; name a folder elsewhere");
+  }
+}
+
 }  // namespace
 
 int copyShaders(const std::string& folder) {
   const fs::path shaders = shaderFolder("");
   // Copied beside, then renamed: the folder is there whole or not at all.
-  const fs::path target = fs::absolute(folder).lexically_normal();
-  const fs::path place = target.has_filename() ? target : target.parent_path();
-  fs::path temporary = place;
-  temporary += fmt::format(".turner-{}", ::getpid());
   try {
+    const fs::path target = fs::weakly_canonical(fs::absolute(folder));
+    const fs::path place = target.has_filename() ? target : target.parent_path();
+    refuseWithin(shaders, place, folder);
     // What somebody has edited there must not be lost.
     if (fs::exists(place) && (!fs::is_directory(place) || !fs::is_empty(place)))
       throw InputError(folder + " is there already and not an empty folder; name a new one");
     fs::create_directories(place.parent_path());
-    fs::copy(shaders, temporary, fs::copy_options::recursive);
-    makeWritable(temporary);
-    fs::rename(temporary, place);
-  } catch (const fs::filesystem_error& error) {
-    std::error_code ignored;
-    fs::remove_all(temporary, ignored);
-    throw RunError(fmt::format("cannot copy the shaders to {}: {}", folder, error.code().message()));
+    Temporary made(place, Temporary::Kind::folder);
+    fs::copy(shaders, made.path(), fs::copy_options::recursive);
+    makeWritable(made.path());
+    made.moveIntoPlace();
+  } catch (const std::system_error& error) {  // fs::filesystem_error is one
+    throw RunError("cannot copy the shaders to " + folder + ": " + error.code().message());
   }
-  fmt::print("copied {} to {}; watch them with: turner watch SCENE --shaders {}\n", shaders.string(), folder, folder);
+  tell("copied {} to {}; watch them with: turner watch SCENE --shaders {}\n", shaders.string(), folder, folder);
   return 0;
 }
 

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "base/descriptor_io.h"
 #include "base/errors.h"
 
 namespace turner {
@@ -30,7 +31,7 @@ std::string shaderFolder(const std::string& wanted) {
 
 std::string findScene(const std::string& path) {
   std::error_code ignored;
-  if (fs::exists(path, ignored) || fs::path(path).is_absolute()) return path;
+  if (path == kStandardStream || fs::exists(path, ignored) || fs::path(path).is_absolute()) return path;
   try {
     const std::string found = dataFolder() + '/' + path;
     if (fs::exists(found, ignored)) return found;

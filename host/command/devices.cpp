@@ -1,6 +1,7 @@
 // `turner devices`.
 #include <fmt/format.h>
 
+#include "base/tell.h"
 #include "command/commands.h"
 #include "command/stats.h"
 #include "gpu/devices.h"
@@ -10,12 +11,12 @@ namespace turner {
 int runDevices(bool asJson) {
   const std::vector<DeviceInfo> devices = listDevices();
   if (asJson) {
-    fmt::print("{}", devicesJson(devices));
+    printResult(devicesJson(devices));
     return 0;
   }
   for (const DeviceInfo& device : devices)
-    fmt::print("{}: {} ({}), Vulkan {}, {}{}\n", device.index, device.name, device.type, device.api, device.driver,
-               device.usable ? "" : ": not usable, needs Vulkan 1.2 and a compute queue");
+    printResult(fmt::format("{}: {} ({}), Vulkan {}, {}{}\n", device.index, device.name, device.type, device.api,
+                            device.driver, device.usable ? "" : ": not usable, needs Vulkan 1.2 and a compute queue"));
   return 0;
 }
 

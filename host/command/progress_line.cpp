@@ -1,14 +1,13 @@
 // The rate is of samples since the start, the time left follows from it.
 #include "command/progress_line.h"
 
-#include <fmt/format.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-#include <cstdio>
 #include <utility>
 
-#include "command/interrupt.h"
+#include "base/interrupt.h"
+#include "base/tell.h"
 
 namespace turner {
 namespace {
@@ -24,7 +23,7 @@ size_t terminalWidth() {
 StatusLine::StatusLine(bool quiet) : quiet_(quiet), terminal_(isatty(STDERR_FILENO)) {}
 
 StatusLine::~StatusLine() {
-  if (shown_ && terminal_) std::fputc('\n', stderr);
+  if (shown_ && terminal_) tellTextOnStderr("\n");
 }
 
 bool StatusLine::isDue() {
@@ -38,16 +37,15 @@ void StatusLine::show(const std::string& text) {
   shown_ = true;
   // Spaces wipe what a longer line before has left.
   if (terminal_)
-    fmt::print(stderr, "\r{:<{}.{}}", text, terminalWidth(), terminalWidth());
+    tellOnStderr("\r{:<{}.{}}", text, terminalWidth(), terminalWidth());
   else
-    fmt::print(stderr, "{}\n", text);
-  std::fflush(stderr);
+    tellOnStderr("{}\n", text);
 }
 
 void StatusLine::note(const std::string& text) {
   if (quiet_) return;
   if (terminal_) show("");
-  fmt::print(stderr, "{}{}\n", terminal_ ? "\r" : "", text);
+  tellOnStderr("{}{}\n", terminal_ ? "\r" : "", text);
 }
 
 double StatusLine::secondsSinceStart() const {

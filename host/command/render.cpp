@@ -4,13 +4,15 @@
 #include <utility>
 
 #include "base/errors.h"
+#include "base/interrupt.h"
 #include "base/output_file.h"
 #include "base/stopwatch.h"
+#include "base/tell.h"
 #include "command/backends.h"
 #include "command/commands.h"
 #include "command/data_folder.h"
-#include "command/interrupt.h"
 #include "command/outputs.h"
+#include "command/overwriting.h"
 #include "image/provenance.h"
 #include "scene/scene_load.h"
 
@@ -34,12 +36,15 @@ int runRender(const RenderOptions& options) {
   std::vector<std::string> outputs = options.outputs;
   if (outputs.empty()) outputs = {defaultOutput(options.scene)};
   for (const std::string& output : outputs) checkOutput(output, true);
-  std::vector<std::string> files = outputs;
+  std::vector<std::string> files = filesNamed(outputs);
   if (!options.stats.empty()) {
     checkWritable(options.stats);
     files.push_back(options.stats);
   }
   refuseRepeated(files);
+  refuseOverwriting(files, {findScene(options.scene)});
+  refuseOverwriting(files, shaderFiles(options.shaders));
+  leaveStdoutTo(files);
 
   Scene scene = loadAndPrint(options);
   refuseOverwriting(files, filesOf(findScene(options.scene), scene.sources));
@@ -49,18 +54,21 @@ int runRender(const RenderOptions& options) {
 
   const Scene summary = withoutGeometry(scene);
   const PrimitiveCounts primitives = scene.primitiveCounts();
-  Rendered rendered = options.backend == Backend::shader
-                          ? renderWithShader(std::move(scene), settings, options, !options.stats.empty())
-                          : renderWithReference(scene, settings, options);
+  Rendered rendered = options.backend == Backend::shader ? renderWithShader(std::move(scene), settings, options, files)
+                                                         : renderWithReference(scene, settings, options);
   throwIfInvalid();
   Stats& stats = rendered.stats;
   const Provenance provenance =
       makeProvenance(summary, settings, "--backend " + stats.backend + " --geometry " + stats.geometry,
                      stats.device.name, stats.device.driver);
   throwIfInterrupted();
+  Deliveries deliveries;
   for (const std::string& output : outputs) {
-    writePicture(output, rendered.image, provenance);
-    if (!options.quiet) fmt::print("wrote {}\n", output);
+    const std::string file = pictureNamed(output).file;
+    deliveries.attempt(file, [&] {
+      writePicture(output, rendered.image, provenance);
+      if (!options.quiet) tell("wrote {}\n", nameOfOutput(file));
+    });
   }
 
   stats.scene = options.scene;
@@ -68,13 +76,15 @@ int runRender(const RenderOptions& options) {
   stats.primitives = primitives;
   stats.seconds.load = loadSeconds;
   stats.seconds.total = total.lap();
-  if (!options.stats.empty()) writeWholeFile(options.stats, statsJson(stats));
+  if (!options.stats.empty())
+    deliveries.attempt(options.stats, [&] { writeWholeFile(options.stats, statsJson(stats)); });
+  deliveries.throwIfAnyFailed();
   if (!options.quiet) {
-    fmt::print("traced in {:.3f} s, all in {:.3f} s", stats.seconds.trace, stats.seconds.total);
-    if (stats.rays.total() > 0)
-      fmt::print(": {} rays, {:.3g} Mray/s", stats.rays.total(),
-                 double(stats.rays.total()) / stats.seconds.trace * 1e-6);
-    fmt::print("\n");
+    const std::string rays = stats.rays.total() == 0
+                                 ? ""
+                                 : fmt::format(": {} rays, {:.3g} Mray/s", stats.rays.total(),
+                                               double(stats.rays.total()) / stats.seconds.trace * 1e-6);
+    tell("traced in {:.3f} s, all in {:.3f} s{}\n", stats.seconds.trace, stats.seconds.total, rays);
   }
   return 0;
 }

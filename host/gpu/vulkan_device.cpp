@@ -2,7 +2,6 @@
 #include "gpu/vulkan_device.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <utility>
@@ -10,6 +9,7 @@
 #include "base/errors.h"
 #include "base/reserve.h"
 #include "base/stopwatch.h"
+#include "base/tell.h"
 #include "gpu/instance.h"
 
 namespace turner {
@@ -196,8 +196,8 @@ double Device::run(const std::function<void(vk::raii::CommandBuffer&)>& record) 
     queue_->submit(vk::SubmitInfo({}, {}, *commands), *fence);
     if (device_->waitForFences(*fence, true, kFenceTimeout) != vk::Result::eSuccess) {
       // What the device still uses must not be destroyed, and it may never be done: the process ends here.
-      std::fprintf(stderr, "turner: error: the device %s did not finish a dispatch within %d s\n", info_.name.c_str(),
-                   int(kFenceTimeout / 1'000'000'000));
+      tellOnStderr("turner: error: the device {} did not finish a dispatch within {} s\n", info_.name,
+                   kFenceTimeout / 1'000'000'000);
       std::_Exit(1);
     }
   } catch (const vk::DeviceLostError&) {

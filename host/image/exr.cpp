@@ -1,6 +1,6 @@
 // In: a picture and what to say about it, or the path of an EXR file. Out: the bytes of a file, or a picture.
 // Files are encoded to and decoded from memory, so that output_file alone writes and text_file alone reads.
-// Damaged files are met in two steps: checkAttributes and checkHeaders look at all that a file claims before anything
+// Damaged files are met in two steps: checkAttributes and readHeaders look at all that a file claims before anything
 // is allocated for it; what is left (damaged pixels) OpenEXR notices itself.
 #include "image/exr.h"
 
@@ -23,8 +23,11 @@
 #include <cassert>
 #include <cstdint>
 #include <cstring>
+#include <iterator>
 #include <new>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "base/errors.h"
 #include "base/text_file.h"
@@ -143,17 +146,53 @@ void checkWindow(const char* name, const Imath::Box2i& box) {
                    " with at most " + std::to_string(kMaxPixels) + " pixels in all");
 }
 
-// Reads the headers alone and throws if a part claims an absurd size or the first part is no flat picture.
-void checkHeaders(const std::string& path, std::string_view bytes, int version) {
+bool hasRgb(const Imf::ChannelList& channels) {
+  return std::all_of(std::begin(kChannels), std::end(kChannels),
+                     [&](const char* name) { return channels.findChannel(name) != nullptr; });
+}
+
+// What to do about a file without R, G and B, where one can see it.
+std::string remedyFor(const Imf::ChannelList& channels) {
+  if (channels.findChannel("Y")) return "; convert its luminance (and chroma) to R, G, B first";
+  for (auto c = channels.begin(); c != channels.end(); ++c) {
+    const std::string name = c.name();
+    if (name.size() > 2 && name.ends_with(".R"))
+      return "; write the layer '" + name.substr(0, name.size() - 2).substr(0, 60) + "' into a file as R, G, B first";
+  }
+  return "";
+}
+
+std::string namesOf(const Imf::ChannelList& channels) {
+  std::string names;
+  for (auto c = channels.begin(); c != channels.end(); ++c)
+    names += (names.empty() ? "" : ", ") + std::string(c.name());
+  return names;
+}
+
+// Throws if a channel has no value for some pixels.
+void checkSampling(const Imf::ChannelList& channels) {
+  for (const char* name : kChannels) {
+    const Imf::Channel& channel = channels[name];
+    if (channel.xSampling == 1 && channel.ySampling == 1) continue;
+    throw InputError("its channel " + std::string(name) + " is subsampled; every pixel needs a value");
+  }
+}
+
+// The parts that have a flat picture in R, G and B.
+struct Parts {
+  std::vector<int> withRgb;
+  std::string found, remedy, deep;  // of the others: their channels, and what to do about them
+};
+
+// Reads the headers alone. Throws if a part claims an absurd size.
+Parts readHeaders(const std::string& path, std::string_view bytes, int version) {
+  Parts parts;
   StringIn in(path, bytes);
   in.seekg(kStartBytes);
   for (int part = 0;; ++part) {
     Imf::Header header;
     header.readFrom(in, version);
-    if (header.readsNothing()) return;
-    if (part == 0 && header.hasType() && Imf::isDeepData(header.type())) {
-      throw InputError("its first part is deep (" + header.type() + "); flatten it first");
-    }
+    if (header.readsNothing()) return parts;
     checkWindow("display", header.displayWindow());
     checkWindow("data", header.dataWindow());
     if (header.hasTileDescription()) {
@@ -164,29 +203,30 @@ void checkHeaders(const std::string& path, std::string_view bytes, int version) 
                          std::to_string(kMaxSize));
       }
     }
-    if (!Imf::isMultiPart(version)) return;
+    const Imf::ChannelList& channels = header.channels();
+    if (header.hasType() && Imf::isDeepData(header.type())) {
+      parts.deep = header.type();
+    } else if (hasRgb(channels)) {
+      parts.withRgb.push_back(part);
+    } else {
+      parts.found += (parts.found.empty() ? "" : ", ") + namesOf(channels);
+      if (parts.remedy.empty()) parts.remedy = remedyFor(channels);
+    }
+    if (!Imf::isMultiPart(version)) return parts;
   }
 }
 
-// Throws unless R, G and B are there for every pixel.
-void checkChannels(const Imf::ChannelList& channels) {
-  std::string found;
-  bool complete = true;
-  for (auto c = channels.begin(); c != channels.end(); ++c)
-    found += (found.empty() ? "" : ", ") + std::string(c.name());
-  for (const char* name : kChannels) complete = complete && channels.findChannel(name);
-  if (!complete) {
-    throw InputError("needs the channels R, G and B; found " + (found.empty() ? "none" : found.substr(0, 400)));
-  }
-  for (const char* name : kChannels) {
-    const Imf::Channel& channel = channels[name];
-    if (channel.xSampling == 1 && channel.ySampling == 1) continue;
-    throw InputError("its channel " + std::string(name) + " is subsampled; every pixel needs a value");
-  }
+// The number of the part to read; throws if there is none.
+int choosePart(const Parts& parts) {
+  if (!parts.withRgb.empty()) return parts.withRgb[0];
+  if (!parts.deep.empty() && parts.found.empty())
+    throw InputError("its picture is deep (" + parts.deep + "); flatten it first");
+  throw InputError("needs the channels R, G and B; found " +
+                   (parts.found.empty() ? "none" : parts.found.substr(0, 200)) + parts.remedy);
 }
 
-// Decodes the first part. Throws InputError with a bare reason, or what OpenEXR throws.
-Image decodeExr(const std::string& path, std::string_view bytes) {
+// Throws InputError with a bare reason, or what OpenEXR throws.
+ExrPicture decodeExr(const std::string& path, std::string_view bytes) {
   // Read what the file claims.
   if (bytes.size() < kStartBytes || !Imf::isImfMagic(bytes.data())) {
     throw InputError(bytes.empty() ? "is empty" : "is not an OpenEXR file");
@@ -198,25 +238,37 @@ Image decodeExr(const std::string& path, std::string_view bytes) {
     throw InputError("is of an unknown version of OpenEXR");
   }
   checkAttributes(bytes, version);
-  checkHeaders(path, bytes, version);
+  const Parts parts = readHeaders(path, bytes, version);
+  const int number = choosePart(parts);
 
   // Open it, and make sure that all of its pixels are there before making room for them.
   StringIn in(path, bytes);
   Imf::MultiPartInputFile file(in);
-  const Imf::Header& header = file.header(0);
-  checkChannels(header.channels());
-  if (!file.partComplete(0)) throw InputError("is incomplete: pixels are missing");
+  const Imf::Header& header = file.header(number);
+  checkSampling(header.channels());
+  if (!file.partComplete(number)) throw InputError("is incomplete: pixels are missing");
 
   // Read the pixels; coordinates count from the corner of the display window.
-  Imf::InputPart part(file, 0);
+  Imf::InputPart part(file, number);
   const Imath::Box2i display = header.displayWindow(), data = header.dataWindow();
   const Imath::V2i corner = display.min;
-  Image image(
-      display.max.x - corner.x + 1, display.max.y - corner.y + 1,
-      Window{data.min.x - corner.x, data.min.y - corner.y, data.max.x - corner.x + 1, data.max.y - corner.y + 1});
-  part.setFrameBuffer(makeFrameBuffer(image.rgb.data(), data));
+  ExrPicture picture;
+  picture.image =
+      Image(display.max.x - corner.x + 1, display.max.y - corner.y + 1,
+            Window{data.min.x - corner.x, data.min.y - corner.y, data.max.x - corner.x + 1, data.max.y - corner.y + 1});
+  part.setFrameBuffer(makeFrameBuffer(picture.image.rgb.data(), data));
   part.readPixels(data.min.y, data.max.y);
-  return image;
+
+  // What the numbers mean.
+  if (Imf::hasChromaticities(header)) {
+    const Imf::Chromaticities& c = Imf::chromaticities(header);
+    picture.chromaticities = {c.red.x, c.red.y, c.green.x, c.green.y, c.blue.x, c.blue.y, c.white.x, c.white.y};
+  }
+  picture.pixelAspectRatio = header.pixelAspectRatio();
+  picture.isCoarse = header.find("turner:coarse") != header.end();
+  picture.candidates = int(parts.withRgb.size());
+  if (header.hasName()) picture.part = header.name();
+  return picture;
 }
 
 }  // namespace
@@ -228,12 +280,11 @@ std::string encodeExr(const Image& image, const Provenance& provenance) {
     // Describe the picture.
     const Imath::Box2i display({0, 0}, {image.width - 1, image.height - 1});
     const Imath::Box2i data({window.x0, window.y0}, {window.x1 - 1, window.y1 - 1});
-    Imf::Header header(display, data, 1, {0, 0}, 1, Imf::INCREASING_Y, Imf::ZIP_COMPRESSION);
+    Imf::Header header(display, data, provenance.pixelAspectRatio, {0, 0}, 1, Imf::INCREASING_Y, Imf::ZIP_COMPRESSION);
     header.zipCompressionLevel() = kZipLevel;
     for (const char* name : kChannels) header.channels().insert(name, Imf::Channel(Imf::FLOAT));
-    // ITU-R BT.709: red, green, blue, and the white of D65.
-    Imf::addChromaticities(header,
-                           Imf::Chromaticities({0.64f, 0.33f}, {0.30f, 0.60f}, {0.15f, 0.06f}, {0.3127f, 0.3290f}));
+    const Chromaticities& c = provenance.chromaticities;
+    Imf::addChromaticities(header, Imf::Chromaticities({c[0], c[1]}, {c[2], c[3]}, {c[4], c[5]}, {c[6], c[7]}));
     for (const auto& [name, value] : provenance.strings) header.insert(name, Imf::StringAttribute(value));
     if (provenance.worldToCamera) Imf::addWorldToCamera(header, transposeForImath(*provenance.worldToCamera));
     if (provenance.worldToNdc) Imf::addWorldToNDC(header, transposeForImath(*provenance.worldToNdc));
@@ -251,19 +302,23 @@ std::string encodeExr(const Image& image, const Provenance& provenance) {
   }
 }
 
-Image readExr(const std::string& path) {
-  const std::string bytes = readTextFile(path);
+ExrPicture readExrPicture(const std::string& path) {
+  const std::string bytes = readTextFile(path), name = nameOfInput(path);
   try {
-    return decodeExr(path, bytes);
+    return decodeExr(name, bytes);
   } catch (const InputError& fault) {
-    throw InputError(path + ": error: " + fault.what());
+    throw InputError(name + ": error: " + fault.what());
   } catch (const std::bad_alloc&) {
-    throw InputError(path + ": error: needs more memory than there is");
+    throw InputError(name + ": error: needs more memory than there is");
   } catch (const std::exception& fault) {
     std::string reason = fault.what();
     std::replace(reason.begin(), reason.end(), '\n', ' ');
-    throw InputError(path + ": error: is damaged: " + reason);
+    throw InputError(name + ": error: is damaged: " + reason);
   }
+}
+
+Image readExr(const std::string& path) {
+  return std::move(readExrPicture(path).image);
 }
 
 }  // namespace turner

@@ -210,8 +210,8 @@ std::string renderCommand(const SweptScene& scene, const SweepPoint& point, cons
   const RenderSettings& whole = scene.whole;
   const Setting& setting = point.setting;
   const Window& crop = whole.crop;
-  // A name that begins with a dash would be an option.
-  const std::string path = scene.path.starts_with('-') ? "./" + scene.path : scene.path;
+  // A name that begins with a dash would be an option; a dash alone is standard input.
+  const std::string path = scene.path.starts_with('-') && scene.path != "-" ? "./" + scene.path : scene.path;
   std::string command = fmt::format("turner render {} -o {}-{}.exr --width {} --height {}", shellWord(path), scene.stem,
                                     point.name, whole.width, whole.height);
   if (!(crop == Window{0, 0, whole.width, whole.height})) command += " --crop " + cropText(crop);

@@ -1,4 +1,4 @@
-// Chooses the parser by the extension, then adds what the file left out.
+// Chooses the parser by the extension, of a pipe by what it says, then adds what the file left out.
 #include "scene/scene_load.h"
 
 #include <algorithm>
@@ -6,8 +6,10 @@
 #include <filesystem>
 #include <glm/geometric.hpp>
 #include <numbers>
+#include <string_view>
 #include <utility>
 
+#include "base/descriptor_io.h"
 #include "base/errors.h"
 #include "base/text_file.h"
 #include "scene/json/scene_json.h"
@@ -17,15 +19,31 @@ namespace turner {
 
 namespace {
 
-ParsedScene parseByExtension(const std::string& path) {
+// JSON begins with a brace, behind blanks and comments; NFF with an entity's letter or a comment of its own.
+bool looksLikeNff(std::string_view text) {
+  for (;;) {
+    const size_t begin = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
+    if (begin == std::string_view::npos) return false;
+    text.remove_prefix(begin);
+    const std::string_view end = text.starts_with("//") ? "\n" : text.starts_with("/*") ? "*/" : "";
+    if (end.empty()) return text[0] == '#' || (text[0] >= 'a' && text[0] <= 'z');
+    text.remove_prefix(std::min(text.find(end, 2), text.size()));
+    text.remove_prefix(std::min(end.size(), text.size()));
+  }
+}
+
+ParsedScene parse(const std::string& path) {
   const std::string extension = lowerExtension(path);
-  if (extension != ".json" && extension != ".nff") {
+  const bool isNamed = extension == ".json" || extension == ".nff";
+  if (!isNamed && !isStream(path)) {
     throw InputError(path +
                      ": error: " + (extension.empty() ? "no extension" : "unknown extension \"" + extension + '"') +
                      "; a scene is a .json or an .nff file");
   }
   const std::string text = readTextFile(path);
-  return extension == ".json" ? parseJsonScene(path, text) : parseNffScene(path, text);
+  const std::string name = nameOfInput(path);
+  const bool isNff = isNamed ? extension == ".nff" : looksLikeNff(text);
+  return isNff ? parseNffScene(name, text) : parseJsonScene(name, text);
 }
 
 // Whether the cross product of two edges vanishes. The edges are brought to about 1 first, by powers of two, so that it
@@ -94,10 +112,10 @@ void noteWhatIsMissing(Scene& scene, bool hasCamera, const std::string& notePref
 }  // namespace
 
 Scene loadScene(const std::string& path) {
-  ParsedScene parsed = parseByExtension(path);
+  ParsedScene parsed = parse(path);
   Scene scene = std::move(parsed.scene);
-  scene.name = std::filesystem::path(path).stem().string();
-  const std::string notePrefix = path + ": note: ";
+  scene.name = path == kStandardStream ? "stdin" : std::filesystem::path(path).stem().string();
+  const std::string notePrefix = nameOfInput(path) + ": note: ";
   dropTrianglesWithoutArea(scene, notePrefix);
   if (!parsed.hasCamera) scene.camera = fitCamera(scene);
   noteWhatIsMissing(scene, parsed.hasCamera, notePrefix);

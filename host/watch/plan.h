@@ -25,6 +25,8 @@ struct WatchPlan {
   std::function<Scene(Scene)> referenceGeometry;           // what the reference traces
   std::function<DeviceInfo()> chooseDevice;                // throws InputError and RunError
   std::function<void()> throwIfInterrupted;                // throws Interrupted
+  // Throws InputError if one of the inputs is an output: edited files may name what was none before.
+  std::function<void(const std::vector<std::string>& inputs)> refuseOverwriting;
   std::function<void(const std::string& path, const Image& image, const Provenance& provenance)> writePicture;
   BufferAccess access = BufferAccess::automatic;
   Dispatching dispatching;

@@ -30,7 +30,7 @@ struct Change {
   uint64_t burst = 0, sceneEpoch = 0;  // see WatchedFiles
   double savedAt = 0, beganAt = 0;
   std::vector<ShaderSource> sources;  // the kernel first
-  std::string unreadable;             // why the kernel itself cannot be read; empty where it can
+  std::string unreadable;             // why the kernel itself cannot be read or rendered; empty where it can
 };
 
 // A version whose picture is good.

@@ -81,9 +81,17 @@ class Watcher : VersionActions {
     change.beganAt = now();
     change.sources = files_.takeUp();
     change.sceneEpoch = files_.sceneEpoch();
-    if (!change.sources[0].text) change.unreadable = cannotRead(change.sources[0].path);
+    change.unreadable = change.sources[0].text ? overwritten(files_.shaderFiles()) : cannotRead(change.sources[0].path);
     mayPrepare_ = true;
     versions_.begin(std::move(change));
+  }
+
+  // Which output would be written over one of these inputs; empty: none.
+  std::string overwritten(const std::vector<std::string>& inputs) const try {
+    plan_.refuseOverwriting(inputs);
+    return "";
+  } catch (const InputError& error) {
+    return error.what();
   }
 
   // --- processes ------------------------------------------------------------------------------------------------
@@ -147,6 +155,8 @@ class Watcher : VersionActions {
   }
 
   std::vector<std::string> show(const Image& image, const SceneReady& scene, bool coarse) override {
+    // The files may have changed since the version began.
+    if (const std::string fault = overwritten(files_.followed()); !fault.empty()) return {fault};
     return writeOutputs(plan_, image, scene, coarse);
   }
   std::string keep(const GoodVersion& good, const VersionReport& report) override {

@@ -136,6 +136,37 @@ class Compare(Command):
         self.refuse("compare", "whole.exr", "left.exr", "--json")
         self.refuse("compare", "left.exr", "right.exr", "--error-image", "error.exr")
 
+    REC_709 = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
+    ACES = (0.7347, 0.2653, 0, 1, 0.0001, -0.077, 0.32168, 0.33767)
+    ODD = (0.7, 0.3, 0.2, 0.7, 0.1, 0.05, 0.3333, 0.3333)
+
+    def test_numbers_of_other_colours_cannot_be_compared(self):
+        grey = [(0.5, 0.5, 0.5)] * 4
+        for name, primaries in (("none", None), ("bt709", self.REC_709), ("aces", self.ACES), ("odd", self.ODD)):
+            write_exr(self.path(f"{name}.exr"), 2, 2, grey, chromaticities=primaries)
+        # A file that states none means Rec. 709; the rounded numbers of another writer are the same ones.
+        write_exr(self.path("near.exr"), 2, 2, grey, chromaticities=[x + 1e-4 for x in self.REC_709])
+        for a, b in (("none", "bt709"), ("bt709", "near"), ("aces", "aces"), ("odd", "odd")):
+            self.assertEqual(self.figures(f"{a}.exr", f"{b}.exr")["max"], 0)
+        for a, b, says in (("bt709", "aces", ["Rec. 709", "ACES (AP0)"]), ("odd", "none", ["red (0.7, 0.3)", "Rec. 709"])):
+            self.refuse("compare", f"{a}.exr", f"{b}.exr", "--json", says=[f"{a}.exr", f"{b}.exr", "convert", *says])
+        # The error image has the colours of both.
+        self.do("compare", "aces.exr", "aces.exr", "--error-image", "error.exr")
+        self.assertEqual(self.figures("error.exr", "error.exr")["max"], 0)
+        self.refuse("compare", "error.exr", "none.exr", says="ACES")
+
+    def test_pixels_of_other_shapes_cannot_be_compared(self):
+        write_exr(self.path("square.exr"), 2, 2, [(0, 0, 0)] * 4)
+        write_exr(self.path("wide.exr"), 2, 2, [(0, 0, 0)] * 4, aspect=2)
+        self.refuse("compare", "square.exr", "wide.exr", says=["square.exr", "wide.exr", "aspect ratio 1", "2"])
+        self.assertEqual(self.figures("wide.exr", "wide.exr")["max"], 0)
+
+    def test_layers_and_luminance_are_refused_with_what_to_do(self):
+        write_exr(self.path("layer.exr"), 2, 2, [(0, 0, 0)] * 4, names=["diffuse.B", "diffuse.G", "diffuse.R"])
+        write_exr(self.path("luminance.exr"), 2, 2, [(0, 0, 0)] * 4, names=["BY", "RY", "Y"])
+        self.refuse("compare", "layer.exr", "layer.exr", says=["diffuse.R", "layer 'diffuse'"])
+        self.refuse("compare", "luminance.exr", "luminance.exr", says=["found BY, RY, Y", "luminance"])
+
     def test_files_that_are_no_pictures_are_refused(self):
         self.render_pair()
         whole = self.path("a.exr").read_bytes()

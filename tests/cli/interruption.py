@@ -1,4 +1,4 @@
-"""Ctrl-C during long work."""
+"""Ctrl-C, a termination and a hang-up during long work."""
 
 import contextlib
 import os
@@ -9,8 +9,9 @@ import signal
 import subprocess
 import time
 
-from support.command import ERROR, INTERRUPTED, LONG, PROMPT, TIMEOUT, Command, Run
+from support.command import DONE, ERROR, HUNG_UP, INTERRUPTED, LONG, PROMPT, TERMINATED, TIMEOUT, Command, Run
 from support.patience import wait_until
+from support.pictures import Exr
 from support.processes import processor_seconds
 from support.settings import PROGRAM, SCENES
 
@@ -22,7 +23,7 @@ class Interruption(Command):
         self.write("stats.json", b"was here before")
 
     @contextlib.contextmanager
-    def started(self, *args, terminal):
+    def started(self, *args, terminal, **options):
         """A run whose stderr is a terminal or a pipe; yields the process and the end that we read."""
         ours, theirs = pty.openpty() if terminal else os.pipe()
         command = [str(PROGRAM), *map(str, args)]
@@ -33,6 +34,7 @@ class Interruption(Command):
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
             stderr=theirs,
+            **options,
         )
         os.close(theirs)
         try:
@@ -60,30 +62,30 @@ class Interruption(Command):
             text += block.decode(errors="replace")
         return text
 
-    def interrupt(self, process, end, before, text, most=PROMPT):
-        process.send_signal(signal.SIGINT)
+    def interrupt(self, process, end, before, text, most=PROMPT, by=signal.SIGINT, code=INTERRUPTED):
+        process.send_signal(by)
         start = time.monotonic()
         try:
             process.wait(timeout=TIMEOUT)
         except subprocess.TimeoutExpired:
-            self.fail(f"Ctrl-C was not noticed within {TIMEOUT} s\n{text}")
+            self.fail(f"{by!r} was not noticed within {TIMEOUT} s\n{text}")
         seconds = time.monotonic() - start
         rest = self.read_until(end, None, 1)
         run = Run(process.args[1:], process.returncode, "", text + rest, seconds)
-        self.assertEqual(run.code, INTERRUPTED, run)
+        self.assertEqual(run.code, code, run)
         self.check_sane(run)
         self.assertEqual(len(ERROR.findall(rest)), 1, run)
         self.assertIn("interrupted", rest, run)
         self.check_takes(seconds, most, run)
         self.assertEqual(self.snapshot(), before, run)
 
-    def interrupt_render(self, *args, terminal, shows):
+    def interrupt_render(self, *args, terminal, shows, **how):
         before = self.snapshot()
         with self.started(*args, terminal=terminal) as (process, end):
             # Once there is progress, the work has begun.
             text = self.read_until(end, shows, TIMEOUT)
             self.assertRegex(text, shows)
-            self.interrupt(process, end, before, text)
+            self.interrupt(process, end, before, text, **how)
         return text
 
     def test_ctrl_c_ends_a_render_and_a_terminal_shows_one_line_that_renews_itself(self):
@@ -127,3 +129,22 @@ class Interruption(Command):
             self.assertRegex(text, r"tracing: .*\n")
             time.sleep(0.2)
             self.interrupt(process, end, before, text, most=0.6 * took)
+
+    def test_a_termination_and_a_hang_up_end_like_ctrl_c(self):
+        args = ["render", SCENES / "spheres.json", *LONG, "-o", "out.exr", "--stats", "stats.json", "--backend"]
+        for by, code in ((signal.SIGTERM, TERMINATED), (signal.SIGHUP, HUNG_UP)):
+            for backend, shows in (("shader", "tracing: "), ("reference", "reference: ")):
+                with self.subTest(by=by, backend=backend):
+                    self.interrupt_render(*args, backend, terminal=True, shows=shows, by=by, code=code)
+
+    def test_a_hang_up_that_is_ignored_stays_ignored(self):
+        """As nohup has it."""
+        quick = ["--width", "200", "--height", "150", "--samples", "8", "--backend", "reference"]
+        ignore = lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN)
+        args = ["render", SCENES / "spheres.json", *quick, "-o", "new.exr"]
+        with self.started(*args, terminal=True, preexec_fn=ignore) as (process, end):
+            self.read_until(end, "reference: ", TIMEOUT)
+            process.send_signal(signal.SIGHUP)
+            process.send_signal(signal.SIGHUP)
+            self.assertEqual(process.wait(TIMEOUT), DONE)
+        self.assertEqual(Exr(self.path("new.exr")).width, 200)

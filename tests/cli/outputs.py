@@ -1,6 +1,7 @@
-"""Outputs that cannot be written, and full disks."""
+"""Outputs that cannot be written, full disks, and what a killed run has left."""
 
 import contextlib
+import fcntl
 import os
 import resource
 import shutil
@@ -145,6 +146,62 @@ class Outputs(Command):
             (disk / "filler").unlink()
             self.do("render", "scene.json", *TINY, "--backend", "reference", "-o", f"{disk.name}/out.exr")
             self.assertEqual(sorted(p.name for p in disk.iterdir()), ["out.exr"])
+
+    # --- replacing: the rights of the old file, the leavings of killed runs
+
+    def render(self, *outputs, **options):
+        args = [word for name in outputs for word in ("-o", name)]
+        self.do("render", "scene.json", *TINY, "--backend", "reference", *args, **options)
+
+    def test_a_replaced_file_keeps_its_rights(self):
+        for mode in (0o600, 0o640, 0o664, 0o4755):
+            with self.subTest(oct(mode)):
+                self.write("out.exr", b"was here before")
+                self.path("out.exr").chmod(mode)
+                self.render("out.exr")
+                self.assertEqual(oct(self.path("out.exr").stat().st_mode & 0o7777), oct(mode))
+
+    def test_a_replaced_file_keeps_its_owner_and_group(self):
+        self.write("out.exr", b"was here before")
+        self.path("out.exr").chmod(0o640)
+        if os.geteuid() != 0:
+            return say_not_possible("a file of another owner")
+        os.chown(self.path("out.exr"), 12345, 54321)
+        self.render("out.exr")
+        found = self.path("out.exr").stat()
+        self.assertEqual((found.st_uid, found.st_gid, found.st_mode & 0o7777), (12345, 54321, 0o640))
+
+    def test_a_new_file_has_the_rights_of_the_umask(self):
+        self.render("out.exr", umask=0o027)
+        self.assertEqual(oct(self.path("out.exr").stat().st_mode & 0o7777), oct(0o640))
+
+    def test_what_a_killed_run_has_left_goes_with_the_next(self):
+        ended = subprocess.Popen(["true"])
+        ended.wait()
+        gone, alive = ended.pid, os.getpid()
+        left = [self.write(f".out.exr.turner-{gone}{end}", b"half a picture") for end in ("", "-1")]
+        kept = [
+            self.write(name, b"somebody's")
+            for name in (
+                f".out.exr.turner-{alive}",  # it lives
+                f".out.exr.turner-{gone}-2",  # locked below: in another container it lives
+                f".out.exr.turner-{gone}.bak",
+                f".other.exr.turner-{gone}",  # of another target
+                "out.exr.turner-1",
+            )
+        ]
+        (self.path(f".out.exr.turner-{gone}-3")).mkdir()
+        self.path(f".out.exr.turner-{gone}-4").symlink_to("scene.json")
+        with open(self.path(kept[1])) as locked:
+            fcntl.flock(locked, fcntl.LOCK_EX)
+            self.render("out.exr")
+        for name in left:
+            self.assertFalse(self.path(name).exists(), name)
+        for name in kept:
+            self.assertEqual(self.path(name).read_bytes(), b"somebody's", name)
+        self.assertEqual(self.path("scene.json").read_text(), SPHERE)
+        self.assertTrue(self.path(f".out.exr.turner-{gone}-3").is_dir())
+        self.assertTrue(self.path(f".out.exr.turner-{gone}-4").is_symlink())
 
     @contextlib.contextmanager
     def mounted(self, options):

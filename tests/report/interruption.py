@@ -71,6 +71,12 @@ class Interrupted(InFolder):
         self.assertRegex(error, r"interrupted after \d+ measurements; the same command goes on from there")
         self.assertFalse((self.folder / "out/report.html").exists())
 
+    def test_a_termination_and_a_hang_up_say_so_too(self):
+        for by, code, lines in ((signal.SIGTERM, 143, 5), (signal.SIGHUP, 129, 30)):
+            ended, (_, error) = self.interrupt_after(lines, by)
+            self.assertEqual(ended, code)
+            self.assertRegex(error, r"interrupted after \d+ measurements; the same command goes on from there")
+
     def test_two_at_once_are_refused(self):
         process = self.start()
         while self.journal().count("\n") < 2:

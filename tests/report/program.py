@@ -93,6 +93,15 @@ class Report(InFolder):
         self.assertFalse([p for p in scene["points"] if "depth" in p["name"] or "weight" in p["name"]])
         self.assertIn("nothing to draw", (self.folder / "out/report.html").read_text())
 
+    def test_what_is_told_does_not_end_a_report(self):
+        # So long that progress is told.
+        options = ["--width", "64", "--max-samples", "4", "--repeats", "2", "-o", self.folder / "out"]
+        with open("/dev/full", "w") as full:
+            command = [str(PROGRAM), "report", ROOT / "scenes/spheres.json", *options]
+            done = subprocess.run(command, stdout=full, stderr=full)
+        self.assertEqual(done.returncode, 0)
+        self.assertEqual(len(load(self.folder / "out")["scenes"]), 1)
+
     def test_two_scenes_of_one_name_stay_apart(self):
         for folder in ("a", "b"):
             (self.folder / folder).mkdir()

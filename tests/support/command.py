@@ -19,6 +19,7 @@ from support.settings import PROGRAM
 from support.timed import Timed
 
 DONE, FAILED, WRONG_INPUT, INTERRUPTED = 0, 1, 2, 130
+TERMINATED, HUNG_UP = 143, 129
 
 # Nothing here takes longer than a second or two; a sanitizer on a busy machine is slower by far.
 TIMEOUT = 180  # seconds
@@ -99,14 +100,14 @@ class Command(Timed, unittest.TestCase):
         environment.update(changes or {})
         return environment
 
-    def run_turner(self, *args, env=None, timeout=TIMEOUT, stdout=subprocess.PIPE, **options):
+    def run_turner(self, *args, env=None, timeout=TIMEOUT, stdout=subprocess.PIPE, stdin=subprocess.DEVNULL, **options):
         args = [str(arg) for arg in args]
         start = time.monotonic()
         process = subprocess.run(
             [str(PROGRAM), *args],
             cwd=self.folder,
             env=self.environment(env),
-            stdin=subprocess.DEVNULL,
+            stdin=stdin,
             stdout=stdout,
             stderr=subprocess.PIPE,
             timeout=timeout,
@@ -119,7 +120,7 @@ class Command(Timed, unittest.TestCase):
 
     def check_sane(self, run):
         self.assertNotRegex(run.err + run.out, CRASH, run)
-        self.assertIn(run.code, (DONE, FAILED, WRONG_INPUT, INTERRUPTED), run)
+        self.assertIn(run.code, (DONE, FAILED, WRONG_INPUT, INTERRUPTED, TERMINATED, HUNG_UP), run)
 
     def do(self, *args, **options):
         """Runs what must succeed, without a word on stderr but progress."""

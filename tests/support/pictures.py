@@ -85,18 +85,20 @@ def unzip(packed):
     return bytes(raw)
 
 
-def write_exr(path, width, height, pixels):
-    """An uncompressed EXR; `pixels` are (r, g, b), row by row."""
+def write_exr(path, width, height, pixels, names="BGR", chromaticities=None, aspect=1):
+    """An uncompressed EXR; `pixels` are (r, g, b), row by row. `names` are those of b, g and r, in alphabetical order."""
 
     def attribute(name, kind, value):
         return f"{name}\0{kind}\0".encode() + struct.pack("<I", len(value)) + value
 
     window = struct.pack("<4i", 0, 0, width - 1, height - 1)
-    channels = b"".join(name + b"\0" + struct.pack("<i4xii", 2, 1, 1) for name in (b"B", b"G", b"R")) + b"\0"
+    channels = b"".join(name + b"\0" + struct.pack("<i4xii", 2, 1, 1) for name in map(str.encode, names)) + b"\0"
     header = struct.pack("<II", 20000630, 2)
     header += attribute("channels", "chlist", channels) + attribute("compression", "compression", b"\0")
     header += attribute("dataWindow", "box2i", window) + attribute("displayWindow", "box2i", window)
-    header += attribute("lineOrder", "lineOrder", b"\0") + attribute("pixelAspectRatio", "float", struct.pack("<f", 1))
+    header += attribute("lineOrder", "lineOrder", b"\0") + attribute("pixelAspectRatio", "float", struct.pack("<f", aspect))
+    if chromaticities:
+        header += attribute("chromaticities", "chromaticities", struct.pack("<8f", *chromaticities))
     header += attribute("screenWindowCenter", "v2f", struct.pack("<2f", 0, 0))
     header += attribute("screenWindowWidth", "float", struct.pack("<f", 1)) + b"\0"
     size = 12 * width

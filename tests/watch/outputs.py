@@ -1,13 +1,14 @@
 """Places of the pictures, and mistakes of the command line."""
 
 import os
+import signal
 import subprocess
 import threading
 
-from support.patience import TIMEOUT
+from support.patience import TIMEOUT, wait_until
 from support.pictures import Exr, png_size
 from support.rights import modes_bind, say_not_possible, without_superpowers
-from support.session import HALF, SHADE, Session
+from support.session import BALL, HALF, SHADE, Session
 from support.settings import PROGRAM, ROOT
 
 
@@ -91,6 +92,106 @@ class Outputs(Session):
             w.wait_for_error("shade.glsl")
             w.picture()
             self.assertEqual(self.exr(), before)
+
+
+class Overwriting(Session):
+    """An input that an edit makes one is not written over either."""
+
+    OBJ = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
+
+    def test_a_mesh_that_an_edited_scene_names(self):
+        self.path("shape.obj").write_text(self.OBJ)
+        with self.watch(outputs=("out.exr", "other.exr")) as w:
+            w.picture()
+            w.figures()
+            before = self.exr()
+            self.path("other.exr").unlink()
+            self.path("other.exr").symlink_to("shape.obj")
+            self.write_scene(BALL | {"meshes": [{"file": "shape.obj", "material": "clay"}]})
+            refused = w.refused()
+            self.assertEqual(refused["step"], "scene", w)
+            self.assertIn("other.exr is an input, shape.obj", refused["diagnoses"][0]["message"], w)
+            self.assertEqual(self.path("shape.obj").read_text(), self.OBJ)
+            self.assertEqual(self.exr(), before)
+            self.path("other.exr").unlink()
+            self.write_scene(BALL | {"meshes": [{"file": "shape.obj", "material": "clay", "scale": 2}]})
+            w.picture()
+        self.assertEqual(self.path("shape.obj").read_text(), self.OBJ)
+
+    def test_a_shader_that_an_edited_shader_includes(self):
+        text = "// an include\n"
+        self.source("more.glsl").write_text(text)
+        with self.watch(outputs=("out.exr",)) as w:
+            w.picture()
+            w.figures()
+            self.path("out.exr").unlink()
+            self.path("out.exr").symlink_to("kernel/more.glsl")
+            self.edit("shade.glsl", SHADE, HALF + '\n#include "more.glsl"\n')
+            refused = w.refused()
+            self.assertIn("is an input, kernel/more.glsl", refused["diagnoses"][0]["message"], w)
+            self.assertEqual(self.source("more.glsl").read_text(), text)
+            self.path("out.exr").unlink()
+            self.edit("shade.glsl", HALF, SHADE)
+            w.picture()
+        self.assertEqual(self.source("more.glsl").read_text(), text)
+
+    def test_an_output_that_becomes_a_link_to_an_input(self):
+        text = self.path("scene.json").read_text()
+        with self.watch(outputs=("out.exr",)) as w:
+            w.picture()
+            w.figures()
+            self.path("out.exr").unlink()
+            self.path("out.exr").symlink_to("scene.json")
+            self.edit("shade.glsl", SHADE, HALF)
+            w.outcome()
+        self.assertEqual(self.path("scene.json").read_text(), text)
+
+
+    def test_a_mesh_that_is_a_pipe_is_refused_and_not_waited_for(self):
+        os.mkfifo(self.path("pipe.obj"))
+        with self.watch(outputs=("out.exr",)) as w:
+            w.picture()
+            before = self.exr()
+            self.write_scene(BALL | {"meshes": [{"file": "pipe.obj", "material": "clay"}]})
+            self.assertIn("regular file", w.refused()["diagnoses"][0]["message"], w)
+            self.assertEqual(self.exr(), before)
+
+
+class Told(Session):
+    def run_watch(self, by, code, **options):
+        command = [str(PROGRAM), "watch", "scene.json", "--shaders", "kernel", "-o", "out.exr"]
+        process = subprocess.Popen(command, cwd=self.folder, env=self.environment(), stdin=subprocess.DEVNULL,
+                                   start_new_session=True, **options)
+        self.addCleanup(process.kill)
+        self.assertTrue(wait_until(self.path("out.exr").exists, TIMEOUT))
+        before = self.exr()
+        self.edit("shade.glsl", SHADE, HALF)
+        self.assertTrue(wait_until(lambda: self.exr() != before and self.exr() == self.rendered(), TIMEOUT))
+        self.assertIsNone(process.poll())
+        os.killpg(process.pid, by)  # its children too, as a terminal does
+        self.assertEqual(process.wait(TIMEOUT), code)
+        self.check_nobody_left()
+        self.assertEqual(self.temporary_files(), [])
+
+    def test_a_full_disk_behind_what_is_told_does_not_end_it_and_sigterm_does(self):
+        with open("/dev/full", "w") as full:
+            self.run_watch(signal.SIGTERM, 143, stdout=full, stderr=full)
+
+    def test_a_hang_up_ends_it_with_its_processes(self):
+        """And none of them is said to have died."""
+        with open(self.path("errors"), "w") as errors:
+            self.run_watch(signal.SIGHUP, 129, stdout=subprocess.DEVNULL, stderr=errors)
+        errors = self.path("errors").read_text()
+        self.assertTrue(errors.endswith("turner: error: interrupted; watching has ended\n"), errors)
+        self.assertEqual(errors.count("error"), 1, errors)
+
+    def test_events_that_cannot_be_written_are_a_failure(self):
+        with open("/dev/full", "w") as full:
+            command = [str(PROGRAM), "watch", "scene.json", "--shaders", "kernel", "-o", "out.exr", "--json"]
+            run = subprocess.run(command, cwd=self.folder, env=self.environment(), stdout=full, stderr=subprocess.PIPE,
+                                 text=True, timeout=TIMEOUT)
+        self.assertEqual(run.returncode, 1, run)
+        self.assertIn("No space left on device", run.stderr)
 
 
 class Mistakes(Session):

@@ -41,7 +41,7 @@ Machine thisMachine(const ReportOptions& options, int repeats) {
   machine.repeats = repeats;
   machine.command = "turner report";
   for (const std::string& scene : options.scenes)
-    machine.command += ' ' + shellWord((scene.starts_with('-') ? "./" : "") + scene);
+    machine.command += ' ' + shellWord((scene.starts_with('-') && scene != "-" ? "./" : "") + scene);
   machine.command += " -o " + shellWord(options.output) + (options.full ? " --full" : " --quick");
   const auto add = [&](const char* name, const auto& value) {
     if (value) machine.command += fmt::format(" {} {}", name, *value);

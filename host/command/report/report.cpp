@@ -1,13 +1,15 @@
 // turner report: scenes -> what to measure -> measured, as far as the journal does not have it -> page and tables.
 #include <fmt/format.h>
 
-#include <cstdio>
 #include <filesystem>
 
 #include "base/errors.h"
 #include "base/output_file.h"
+#include "base/tell.h"
 #include "base/text_file.h"
 #include "command/commands.h"
+#include "command/data_folder.h"
+#include "command/overwriting.h"
 #include "command/report/machine.h"
 #include "command/report/report_plan.h"
 #include "command/report/sweep_progress.h"
@@ -16,6 +18,7 @@
 #include "report/measure.h"
 #include "report/page.h"
 #include "report/tables.h"
+#include "scene/scene_load.h"
 
 namespace turner {
 using namespace report;
@@ -26,15 +29,14 @@ namespace fs = std::filesystem;
 void printPlan(const ReportPlan& plan, const Journal& journal, const std::string& output) {
   for (size_t i = 0; i < plan.sweeps.size(); ++i) {
     const SceneToSweep& sweep = plan.sweeps[i];
-    fmt::print("scene: {} ({} x {} pixels, {} settings", sweep.path, sweep.whole.crop.width(),
-               sweep.whole.crop.height(), sweep.settings.size());
-    for (const RendererInfo& renderer : plan.renderers) fmt::print(", {}", renderer.device);
-    fmt::print(", {} times)\n", sweep.repeats);
-    for (const std::string& note : sweep.scene.notes) fmt::print("{}\n", note);
+    tell("scene: {} ({} x {} pixels, {} settings", sweep.path, sweep.whole.crop.width(), sweep.whole.crop.height(),
+         sweep.settings.size());
+    for (const RendererInfo& renderer : plan.renderers) tell(", {}", renderer.device);
+    tell(", {} times)\n", sweep.repeats);
+    for (const std::string& note : sweep.scene.notes) tell("{}\n", note);
   }
   if (journal.size() > 0)
-    fmt::print("going on with {} measurements of an interrupted report in {}\n", journal.size(), output);
-  std::fflush(stdout);
+    tell("going on with {} measurements of an interrupted report in {}\n", journal.size(), output);
 }
 
 std::vector<SweptScene> measureAll(const ReportPlan& plan, Journal& journal, bool quiet) {
@@ -64,14 +66,34 @@ void makeFolder(const fs::path& folder) {
   if (error) throw InputError("cannot make the folder " + folder.string() + ": " + error.message());
 }
 
+// What --exr may write over.
+std::vector<std::string> picturesIn(const fs::path& folder) {
+  std::vector<std::string> pictures;
+  std::error_code none;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, none)) pictures.push_back(entry.path());
+  return pictures;
+}
+
+std::vector<std::string> inputsOf(const ReportPlan& plan, const ReportOptions& options) {
+  std::vector<std::string> inputs = shaderFiles(options.shaders);
+  for (size_t i = 0; i < plan.scenes.size(); ++i) {
+    const std::vector<std::string> files = filesOf(findScene(options.scenes[i]), plan.scenes[i].sources);
+    inputs.insert(inputs.end(), files.begin(), files.end());
+  }
+  return inputs;
+}
+
 }  // namespace
 
 int runReport(const ReportOptions& options) {
   const ReportPlan plan = planFor(options);
   const fs::path output = options.output, pictures = output / "pictures";
-  makeFolder(options.keepExr ? pictures : output);
   const std::string page = (output / "report.html").string(), json = (output / "report.json").string(),
                     csv = (output / "report.csv").string();
+  std::vector<std::string> writes = picturesIn(pictures);
+  writes.insert(writes.end(), {page, json, csv});
+  refuseOverwriting(writes, inputsOf(plan, options));
+  makeFolder(options.keepExr ? pictures : output);
   for (const std::string& file : {page, json, csv}) checkWritable(file);
   if (options.keepExr) checkWritable((pictures / "picture.exr").string());
 
@@ -103,10 +125,10 @@ int runReport(const ReportOptions& options) {
 
   if (!options.quiet) {
     for (const SweptScene& scene : scenes) {
-      fmt::print("{}\n", scene.path);
-      for (const std::string& sentence : findings(scene)) fmt::print("  {}\n", sentence);
+      tell("{}\n", scene.path);
+      for (const std::string& sentence : findings(scene)) tell("  {}\n", sentence);
     }
-    for (const std::string& file : {page, json, csv}) fmt::print("wrote {}\n", file);
+    for (const std::string& file : {page, json, csv}) tell("wrote {}\n", file);
   }
   return 0;
 }

@@ -12,9 +12,10 @@
 #include <optional>
 
 #include "base/errors.h"
+#include "base/interrupt.h"
 #include "base/text_file.h"
 #include "command/data_folder.h"
-#include "command/interrupt.h"
+#include "command/overwriting.h"
 #include "scene/scene_load.h"
 
 namespace turner {
@@ -119,6 +120,7 @@ std::string validUtf8(const std::string& text) {
 
 ReportPlan planFor(const ReportOptions& options) {
   ReportPlan plan;
+  refuseSharedPipes(options.scenes);
   for (const std::string& name : options.scenes) {
     if (name.empty()) throw InputError("the name of a scene is empty");
     plan.scenes.push_back(loadScene(findScene(name)));
@@ -131,7 +133,7 @@ ReportPlan planFor(const ReportOptions& options) {
   for (size_t i = 0; i < plan.scenes.size(); ++i) {
     const Scene& scene = plan.scenes[i];
     const RenderSettings whole = wholeOf(scene, options);
-    const std::string stem = wordOf(fs::path(options.scenes[i]).stem().string());
+    const std::string stem = wordOf(scene.name);
     plan.sweeps.push_back({scene, validUtf8(options.scenes[i]), stem, fmt::format("{}-{}-", i + 1, stem), whole,
                            planSweep(scene, whole, maxSamples, cutOffs), plan.repeats});
   }

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "command/interrupt.h"
+#include "base/interrupt.h"
 
 namespace turner {
 namespace {

@@ -1,10 +1,9 @@
 // For programs.
-#include <fmt/format.h>
-
 #include <optional>
 #include <string>
 
 #include "base/json_writer.h"
+#include "base/tell.h"
 #include "command/watch/listeners.h"
 #include "command/watch/print.h"
 
@@ -94,8 +93,7 @@ class JsonListener : public WatchListener {
       json.put("event", event);
       fill(json);
     });
-    fmt::print("{}", json.oneLine());
-    flushOutput();
+    printResult(json.oneLine());
   }
 
   static void putDiagnoses(JsonWriter& json, const std::vector<Diagnosis>& diagnoses) {

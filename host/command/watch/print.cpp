@@ -1,22 +1,22 @@
 // stdout and stderr.
 #include "command/watch/print.h"
 
-#include <fmt/format.h>
-
-#include <cstdio>
+#include <cerrno>
+#include <cstring>
+#include <string>
 
 #include "base/errors.h"
+#include "base/tell.h"
 
 namespace turner {
 using namespace watch;
 
 void printDiagnoses(const std::vector<Diagnosis>& diagnoses) {
-  for (const Diagnosis& diagnosis : diagnoses) fmt::print(stderr, "{}\n", gccText(diagnosis));
-  std::fflush(stderr);
+  for (const Diagnosis& diagnosis : diagnoses) tellOnStderr("{}\n", gccText(diagnosis));
 }
 
-void flushOutput() {
-  if (std::fflush(stdout) != 0) throw RunError("cannot write to standard output");
+void tellWatcher(const std::string& text) {
+  if (tellText(text) == EPIPE) throw RunError(std::string("<stdout>: error: cannot write: ") + std::strerror(EPIPE));
 }
 
 }  // namespace turner

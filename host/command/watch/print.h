@@ -1,6 +1,7 @@
 // What both listeners of `turner watch` print alike.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "watch/diagnosis/diagnosis.h"
@@ -10,8 +11,7 @@ namespace turner {
 // To stderr.
 void printDiagnoses(const std::vector<watch::Diagnosis>& diagnoses);
 
-// Of stdout: what another process reads has to come at once. Throws RunError: without a reader there is nothing to
-// watch for.
-void flushOutput();
+// To stdout, for people. Throws RunError if they have closed their end: without a reader there is nothing to watch for.
+void tellWatcher(const std::string& text);
 
 }  // namespace turner

@@ -77,8 +77,7 @@ class TextListener : public WatchListener {
   void print(fmt::format_string<const Values&...> format, const Values&... values) {
     status_.reset();
     if (quiet_) return;
-    fmt::print(format, values...);
-    flushOutput();
+    tellWatcher(fmt::format(format, values...));
   }
 
   const WatchPlan& plan_;

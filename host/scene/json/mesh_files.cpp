@@ -22,7 +22,7 @@ MeshFiles::File* MeshFiles::open(size_t at, const Field& field, const std::strin
 
   std::string text;
   try {
-    text = readRegularFile(path);
+    text = readTextFile(path);
   } catch (const InputError& error) {
     // It says "PATH: error: REASON"; the place here is that of the name in the scene.
     std::string reason = error.what();

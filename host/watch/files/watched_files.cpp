@@ -62,12 +62,22 @@ std::vector<std::string> WatchedFiles::filesOfScene() const {
   return files;
 }
 
-void WatchedFiles::follow() {
-  std::vector<std::string> files = filesOfScene();
-  files.push_back(kernel_);
+std::vector<std::string> WatchedFiles::shaderFiles() const {
+  std::vector<std::string> files = {kernel_};
   for (const ShaderSource& source : seen_) files.push_back(source.path);
   files.insert(files.end(), read_.begin(), read_.end());
-  watch_.follow(files);
+  return files;
+}
+
+std::vector<std::string> WatchedFiles::followed() const {
+  std::vector<std::string> files = filesOfScene();
+  const std::vector<std::string> shaders = shaderFiles();
+  files.insert(files.end(), shaders.begin(), shaders.end());
+  return files;
+}
+
+void WatchedFiles::follow() {
+  watch_.follow(followed());
 }
 
 bool WatchedFiles::isAsLoaded(const std::string& file) const try {

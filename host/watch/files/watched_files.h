@@ -31,6 +31,10 @@ class WatchedFiles {
   // The version of the last takeUp() came to no end of its own: the same files once more are a change.
   void forgetTaken() { mistrusted_ = true; }
 
+  // The shader with what it includes, and these with the scene's files.
+  std::vector<std::string> shaderFiles() const;
+  std::vector<std::string> followed() const;
+
   double lastChange() const { return lastChange_; }
   uint64_t burst() const { return burst_; }
   // When the burst is over, unless another change comes.

@@ -2,14 +2,15 @@
 #include "watch/output/kept_versions.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
+#include <system_error>
 
 #include "base/errors.h"
 #include "base/number.h"
 #include "base/output_file.h"
+#include "base/temporary.h"
 
 namespace turner::watch {
 
@@ -54,23 +55,17 @@ int lastKeptVersion(const std::string& folder) try {
 
 std::string keepVersion(const std::string& folder, int number, const KeptVersion& version) {
   const fs::path target = fs::path(folder) / fmt::format("{:04}", number);
-  const fs::path temporary = fs::path(folder) / fmt::format(".{:04}.turner-{}", number, ::getpid());
   try {
-    fs::remove_all(temporary);
+    Temporary made(target, Temporary::Kind::folder);
+    const fs::path& temporary = made.path();
     for (size_t i = 0; i < version.sources.size(); ++i)
       if (version.sources[i].text) writeInto(temporary / placeOf(version.sources[i], i), *version.sources[i].text);
     if (!version.sceneName.empty()) writeInto(temporary / "scene" / version.sceneName, version.sceneText);
     writeInto(temporary / "picture.exr", version.picture);
     writeInto(temporary / "figures.json", version.figures);
-    fs::rename(temporary, target);
-  } catch (const fs::filesystem_error& error) {
-    std::error_code ignored;
-    fs::remove_all(temporary, ignored);
+    made.moveIntoPlace();
+  } catch (const std::system_error& error) {  // fs::filesystem_error is one
     throw RunError(target.string() + ": error: cannot keep the version: " + error.code().message());
-  } catch (const RunError&) {
-    std::error_code ignored;
-    fs::remove_all(temporary, ignored);
-    throw;
   }
   return target.string();
 }

@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
-#include <cstdio>
 #include <cstring>
 #include <exception>
 #include <filesystem>
@@ -21,6 +20,8 @@
 #include <utility>
 
 #include "base/errors.h"
+#include "base/interrupt.h"
+#include "base/tell.h"
 
 namespace turner::watch {
 namespace {
@@ -47,7 +48,7 @@ std::ptrdiff_t threadCount() {
 [[noreturn]] void beChild(pid_t parent, int line, const std::function<void(Channel&)>& work) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (::getppid() != parent) ::_exit(0);  // it died before the line above
-  ::signal(SIGINT, SIG_IGN);
+  ignoreInterrupts();
   const rlimit noCore{0, 0};
   ::setrlimit(RLIMIT_CORE, &noCore);
   closeOthers(line);
@@ -58,7 +59,7 @@ std::ptrdiff_t threadCount() {
     Channel channel(line);
     work(channel);
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "turner: error: %s\n", error.what());
+    tellOnStderr("turner: error: {}\n", error.what());
     code = 1;
   }
   ::_exit(code);  // what is registered for the end of the program is the parent's
@@ -75,7 +76,6 @@ Child::Child(const std::function<void(Channel&)>& work) {
   const auto [mine, its] = makeChannel();
   line_ = std::make_unique<Channel>(mine);
   const pid_t parent = ::getpid();
-  std::fflush(nullptr);
   process_ = ::fork();
   if (process_ == 0) beChild(parent, its, work);
   const int error = errno;

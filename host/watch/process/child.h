@@ -15,8 +15,8 @@ namespace turner::watch {
 class Child {
  public:
   // Forks; `work` runs in the child with its end of the line, and when it returns the child ends. Only for a process
-  // without other threads, which a fork would leave in the middle of what they do. The child does not hear Ctrl-C and
-  // dies with this process. Throws RunError.
+  // without other threads, which a fork would leave in the middle of what they do. The child does not hear Ctrl-C,
+  // nor a termination or a hang-up, and dies with this process. Throws RunError.
   explicit Child(const std::function<void(Channel&)>& work);
   ~Child();  // kills it
   Child(const Child&) = delete;

@@ -97,8 +97,9 @@ class Worker {
   // --- the scene ---
 
   Scene loadSceneFile() const {
-    refusePipe(plan_.scene);  // at which a worker would wait without an end
-    return turner::loadScene(plan_.scene);
+    Scene scene = turner::loadScene(plan_.scene);
+    plan_.refuseOverwriting(filesOf(plan_.scene, scene.sources));
+    return scene;
   }
 
   void loadScene(const Job& job) {
@@ -286,6 +287,7 @@ void workForWatcher(Channel& line, const WatchPlan& plan) {
   // take and free large blocks all the time.
   ::mallopt(M_MMAP_THRESHOLD, 32 << 20);
   ::mallopt(M_TRIM_THRESHOLD, 64 << 20);
+  refusePipes();  // at which it would wait without an end
   Worker worker(line, plan);
   try {
     while (const std::optional<Message> message = line.wait())

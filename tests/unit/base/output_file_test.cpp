@@ -16,6 +16,7 @@
 
 #include "base/errors.h"
 #include "base/output_file.h"
+#include "base/temporary.h"
 #include "support/temporary_folder.h"
 
 namespace turner {
@@ -283,13 +284,33 @@ TEST_F(OutputFile, AWriteProtectedFileIsRefusedUnlessOneIsTheSuperuser) {
   }
 }
 
-TEST_F(OutputFile, ATemporaryLeftByAnEarlierProcessIsNotTouched) {
+TEST_F(OutputFile, ATemporaryOfAProcessThatWasKilledIsDeleted) {
+  // Of one that had this one's number, as the first process of each container has 1.
   const std::string left = in(".a.turner-" + std::to_string(getpid()));
   std::ofstream(left) << "left";
   writeWholeFile(in("a"), "x");
   EXPECT_EQ(readBack(in("a")), "x");
-  EXPECT_EQ(readBack(left), "left");
-  EXPECT_EQ(countFiles(), 2u);
+  EXPECT_EQ(countFiles(), 1u);
+}
+
+TEST_F(OutputFile, ATemporaryInWorkIsNotTouched) {
+  Temporary file(in("a"), Temporary::Kind::file), made(in("b"), Temporary::Kind::folder);
+  EXPECT_TRUE(fs::is_regular_file(file.path()));
+  EXPECT_TRUE(fs::is_directory(made.path()));
+  writeWholeFile(in("a"), "x");
+  Temporary another(in("b"), Temporary::Kind::folder);
+  EXPECT_TRUE(fs::exists(file.path()));
+  EXPECT_TRUE(fs::exists(made.path()));
+  file.moveIntoPlace();
+  EXPECT_EQ(readBack(in("a")), "");
+}
+
+TEST_F(OutputFile, AFolderThatAKilledProcessHasLeftIsDeleted) {
+  const std::string left = in(".b.turner-" + std::to_string(getpid()));
+  fs::create_directories(left + "/deep");
+  std::ofstream(left + "/deep/file") << "left";
+  { const Temporary made(in("b"), Temporary::Kind::folder); }
+  EXPECT_EQ(countFiles(), 0u);
 }
 
 TEST_F(OutputFile, ManyWritersOfOneFileLeaveOneWholeFile) {

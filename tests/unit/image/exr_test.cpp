@@ -395,6 +395,41 @@ TEST(Exr, OfManyPartsTheFirstIsRead) {
   expectSameBits(readExr(file.path), image);
 }
 
+TEST(Exr, APartWithoutRgbIsPassedOver) {
+  const Image image = makePattern(20, 10);
+  const ScratchFile file;
+  const std::vector<std::string> depth = {"Z"};
+  std::vector<Imf::Header> headers = {makeHeader(20, 10, depth, Imf::FLOAT), makeHeader(20, 10, kRgb, Imf::FLOAT),
+                                      makeHeader(20, 10, kRgb, Imf::FLOAT)};
+  for (size_t i = 0; i < headers.size(); ++i) {
+    headers[i].setName(std::string("part ") + char('0' + i));
+    headers[i].setType(Imf::SCANLINEIMAGE);
+  }
+  {
+    Imf::MultiPartOutputFile out(file.path.c_str(), headers.data(), int(headers.size()));
+    const std::vector<float> black(image.rgb.size());
+    for (int part : {0, 1, 2}) {
+      Imf::OutputPart output(out, part);
+      output.setFrameBuffer(makeFrame(part == 1 ? image.rgb : black, 20, part == 0 ? depth : kRgb, Imf::FLOAT));
+      output.writePixels(10);
+    }
+  }
+  const ExrPicture picture = readExrPicture(file.path);
+  expectSameBits(picture.image, image);
+  EXPECT_EQ(picture.part, "part 1");
+  EXPECT_EQ(picture.candidates, 2);
+}
+
+TEST(Exr, WhatTheNumbersMeanSurvivesTheRoundTrip) {
+  Provenance provenance;
+  provenance.chromaticities = {0.7f, 0.3f, 0.2f, 0.7f, 0.1f, 0.05f, 0.33f, 0.34f};
+  provenance.pixelAspectRatio = 2;
+  const ExrPicture picture = readExrPicture(ScratchFile(encodeExr(makePattern(4, 4), provenance)).path);
+  EXPECT_EQ(picture.chromaticities, provenance.chromaticities);
+  EXPECT_EQ(picture.pixelAspectRatio, 2);
+  EXPECT_EQ(readExrPicture(ScratchFile(encodeExr(makePattern(4, 4), {})).path).chromaticities, kRec709);
+}
+
 TEST(Exr, ADeepPictureIsRefusedAsDeep) {
   const ScratchFile file;
   Imf::Header header = makeHeader(2, 1, kRgb, Imf::FLOAT);
