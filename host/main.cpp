@@ -7,6 +7,7 @@
 
 #include "base/errors.h"
 #include "base/interrupt.h"
+#include "base/memory_limit.h"
 #include "base/tell.h"
 #include "command/commands.h"
 
@@ -61,7 +62,7 @@ int main(int argc, char** argv) {
   } catch (const turner::RunError& error) {
     return printError(error.what(), kFailed);
   } catch (const std::bad_alloc&) {
-    return printError("out of memory", kFailed);
+    return printError(("out of memory" + turner::memoryLimitHint()).c_str(), kFailed);
   } catch (const std::exception& error) {
     return printError(error.what(), kFailed);
   }

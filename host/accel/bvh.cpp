@@ -126,9 +126,11 @@ struct ReleaseBvh {
 // False where Embree gives up: boxes nested into a corner, for one, need more depth than it is allowed.
 bool buildWithEmbree(std::span<const Box> boxes, const BvhLimits& limits, Flattener& out, BvhChild& root) {
   const std::unique_ptr<std::remove_pointer_t<RTCDevice>, ReleaseDevice> device(rtcNewDevice(nullptr));
-  if (!device)
-    throw RunError("Embree cannot start: rtcNewDevice failed with code " +
-                   std::to_string(int(rtcGetDeviceError(nullptr))));
+  if (!device) {
+    const RTCError error = rtcGetDeviceError(nullptr);
+    if (error == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
+    throw RunError("Embree cannot start: rtcNewDevice failed with code " + std::to_string(int(error)));
+  }
   const std::unique_ptr<std::remove_pointer_t<RTCBVH>, ReleaseBvh> bvh(rtcNewBVH(device.get()));
   if (!bvh) throw RunError("Embree cannot build: rtcNewBVH failed");
 

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/errors.h"
+#include "base/memory_limit.h"
 
 namespace turner {
 namespace {
@@ -136,7 +137,7 @@ Instance::Instance() try {
   instance_.emplace(context_, create);
   if (validation) messenger_.emplace(*instance_, messenger);
 } catch (const vk::IncompatibleDriverError&) {
-  throw RunError(kNoVulkan);
+  throw RunError(kNoVulkan + memoryLimitHint());
 }
 
 std::vector<vk::raii::PhysicalDevice> Instance::physicalDevices() const {
@@ -161,7 +162,7 @@ std::vector<DeviceInfo> listDevices() {
     devices.push_back(describeDevice(device, int(devices.size())));
     devices.back().instance = instance;
   }
-  if (devices.empty()) throw RunError(kNoVulkan);
+  if (devices.empty()) throw RunError(kNoVulkan + memoryLimitHint());
   return devices;
 }
 

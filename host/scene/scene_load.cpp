@@ -14,6 +14,7 @@
 #include "base/text_file.h"
 #include "scene/json/scene_json.h"
 #include "scene/nff/scene_nff.h"
+#include "scene/plain_text.h"
 
 namespace turner {
 
@@ -22,7 +23,7 @@ namespace {
 // JSON begins with a brace, behind blanks and comments; NFF with an entity's letter or a comment of its own.
 bool looksLikeNff(std::string_view text) {
   for (;;) {
-    const size_t begin = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
+    const size_t begin = text.find_first_not_of(" \t\r\n");
     if (begin == std::string_view::npos) return false;
     text.remove_prefix(begin);
     const std::string_view end = text.starts_with("//") ? "\n" : text.starts_with("/*") ? "*/" : "";
@@ -42,7 +43,7 @@ ParsedScene parse(const std::string& path) {
   }
   const std::string text = readTextFile(path);
   const std::string name = nameOfInput(path);
-  const bool isNff = isNamed ? extension == ".nff" : looksLikeNff(text);
+  const bool isNff = isNamed ? extension == ".nff" : looksLikeNff(PlainText(name, text).view());
   return isNff ? parseNffScene(name, text) : parseJsonScene(name, text);
 }
 

@@ -3,7 +3,7 @@
 # checkout's HEAD into it, runs cmake/demo.sh there and then tests/run.sh, as root or as a user who has sudo. No part of
 # CI: it downloads a system and takes as long as a first build and all tests do.
 # usage, as root: tests/machines/fresh_debian.sh bookworm|trixie FOLDER [root|user] [demo|all] [arguments of tests/run.sh]
-#   DEBIAN_MIRROR: where packages come from (http://deb.debian.org/debian)
+#   DEBIAN_MIRROR: where packages come from (http://deb.debian.org/debian); CXXFLAGS: for the build, such as -Werror
 # FOLDER may hold the root of a run before: the clone is made anew, installed packages stay. The pictures of the demo are
 # in FOLDER/demo.
 set -eu
@@ -36,6 +36,7 @@ git clone --quiet "$checkout" "$folder$home/turner"
 cat >"$folder/run-here" <<END
 set -eu
 cd $home/turner
+export CXXFLAGS="${CXXFLAGS-}"
 . /etc/os-release; echo "\$PRETTY_NAME, \$(id -un), \$(git log -1 --format='%h %s')"
 cmake/demo.sh
 [ $what = demo ] || tests/run.sh $*
