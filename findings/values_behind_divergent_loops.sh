@@ -1,16 +1,17 @@
 #!/bin/sh
-# A good engineer would guess: behind a loop that the lanes of a SIMD unit leave one by one, each lane has what it computed
-# in its own last turn. Drivers mask lanes for that, and a variable that is assigned in every turn of a do-while loop and
-# read behind it is the plainest case there is.
-# What happens instead, on both Vulkan drivers for processors: where such a value was loaded from a buffer and the loop does
-# not carry it from turn to turn, most lanes have another one. Lanes that have left go through the other lanes' turns too;
-# lavapipe loads once more for them, from where their next turn would have loaded, SwiftShader gives them 0. Values that are
-# computed are right here. All results are VK_SUCCESS, and the validation layers have nothing to say. A loop that tests its
-# condition at its head is right on both: what leaves it was carried.
-# Source: SPIR-V specification 2.2.5 and 2.11 (invocations, control flow): an invocation executes what it reaches itself.
+# A good engineer would guess: behind a loop that the lanes of a SIMD unit leave one by one, each lane has what it
+# computed in its own last turn. Drivers mask lanes for that, and a variable that is assigned in every turn of a
+# do-while loop and read behind it is the plainest case there is.
+# What happens instead, on both Vulkan drivers for processors: where such a value was loaded from a buffer and the
+# loop does not carry it from turn to turn, most lanes have 0: those that have left go through the other lanes' turns
+# too, in which the load is masked for them. Only the lanes that leave last have what they loaded. Values that are
+# computed are right here. All results are VK_SUCCESS, and the validation layers have nothing to say. A loop that
+# tests its condition at its head is right on both: what leaves it was carried.
+# Source: SPIR-V specification 2.2.5 and 2.11 (invocations, control flow): an invocation executes what it reaches
+# itself.
 # SwiftShader, src/Pipeline/SpirvShaderControlFlow.cpp, EmitLoop: it keeps each lane's value for phis alone.
 # Seen: mesa-vulkan-drivers 22.3.6-1+deb12u2; chromium-common 156.0.8078.114-1~deb12u1.
-# Usage: findings/values_behind_divergent_loops.sh    exit code 0: as described; 1: no longer so; 2: something is missing
+# Usage: findings/values_behind_divergent_loops.sh exit code 0: as described; 1: no longer so; 2: something is missing
 set -eu
 for package in gcc libvulkan-dev glslang-tools mesa-vulkan-drivers chromium-common; do
   dpkg-query -W "$package" >/dev/null 2>&1 || { echo "missing: apt-get install $package" >&2; exit 2; }
@@ -25,7 +26,10 @@ cd "$folder"
 cat >follow.comp <<'GLSL'
 #version 450
 layout(local_size_x = 64) in;
-layout(std430, binding = 0) buffer Buffer { uvec2 words[64]; uint turns[64]; uint loaded[64]; uint squared[64]; uint atHead[64]; };
+layout(std430, binding = 0) buffer Buffer {
+  uvec2 words[64];
+  uint turns[64], loaded[64], squared[64], atHead[64];
+};
 void main() {
   uint lane = gl_LocalInvocationIndex, next = lane, left = turns[lane];
   uvec2 word;
@@ -197,7 +201,8 @@ int main(void) {
     wrongAtHead += all->atHead[i] != all->words[at][1];
     wrongSquares += all->squared[i] != (all->turns[i] - 1) * (all->turns[i] - 1) + i;
   }
-  printf("%s (%s): wrong are %d of %d values that were loaded, %d that were computed, %d by a loop that tests at its head\n",
+  printf("%s (%s): wrong are %d of %d values that were loaded, %d that were computed, "
+         "%d by a loop that tests at its head\n",
          properties.properties.deviceName, driver.driverInfo, wrongLoads, kLanes, wrongSquares, wrongAtHead);
   return 0;
 }
