@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/errors.h"
+#include "base/memory_limit.h"
 #include "base/reserve.h"
 #include "base/stopwatch.h"
 #include "base/tell.h"
@@ -52,6 +53,9 @@ Device::Device(const DeviceInfo& info) : info_(info), instance_(info.instance) {
       physical_->getFeatures2<vk::PhysicalDeviceFeatures2, vk::PhysicalDeviceBufferDeviceAddressFeatures>();
   addresses_ = features.get<vk::PhysicalDeviceBufferDeviceAddressFeatures>().bufferDeviceAddress;
 
+  // lavapipe 22.3 dies where it gets no memory for a device and its threads; with less than this it does not get as far
+  // as a picture.
+  requireMemory(size_t(512) << 20);
   const float priority = 1;
   const vk::DeviceQueueCreateInfo queue({}, queueFamily_, 1, &priority);
   const vk::PhysicalDeviceBufferDeviceAddressFeatures addressFeature(addresses_);

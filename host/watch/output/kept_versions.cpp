@@ -56,6 +56,7 @@ int lastKeptVersion(const std::string& folder) try {
 std::string keepVersion(const std::string& folder, int number, const KeptVersion& version) {
   const fs::path target = fs::path(folder) / fmt::format("{:04}", number);
   try {
+    fs::create_directories(folder);  // somebody may have deleted it
     Temporary made(target, Temporary::Kind::folder);
     const fs::path& temporary = made.path();
     for (size_t i = 0; i < version.sources.size(); ++i)
