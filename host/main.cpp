@@ -4,6 +4,8 @@
 #include <cstring>
 #include <exception>
 #include <new>
+#include <string>
+#include <system_error>
 
 #include "base/errors.h"
 #include "base/interrupt.h"
@@ -63,6 +65,13 @@ int main(int argc, char** argv) {
     return printError(error.what(), kFailed);
   } catch (const std::bad_alloc&) {
     return printError(("out of memory" + turner::memoryLimitHint()).c_str(), kFailed);
+  } catch (const std::system_error& error) {
+    const bool isLimit = error.code() == std::errc::resource_unavailable_try_again;
+    const std::string message = error.what();
+    return printError(
+        (isLimit ? "cannot start a thread: " + message + " (a limit of processes: ulimit -u, or a cgroup's)" : message)
+            .c_str(),
+        kFailed);
   } catch (const std::exception& error) {
     return printError(error.what(), kFailed);
   }

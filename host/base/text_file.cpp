@@ -45,12 +45,15 @@ bool isEndless(int file, const struct stat& status) {
 }  // namespace
 
 std::string nameOfInput(const std::string& path) {
-  return path == kStandardStream ? "<stdin>" : path;
+  if (path == kStandardStream) return "<stdin>";
+  const std::optional<int> open = descriptorNamed(path);
+  if (!open) return path;
+  return *open == STDIN_FILENO ? "<stdin>" : "<descriptor " + std::to_string(*open) + ">";
 }
 
 bool isStream(const std::string& path) {
   struct stat found {};
-  if (path == kStandardStream) return true;
+  if (path == kStandardStream || descriptorNamed(path)) return true;
   return ::stat(path.c_str(), &found) == 0 && !S_ISREG(found.st_mode) && !S_ISDIR(found.st_mode);
 }
 

@@ -6,9 +6,11 @@
 
 namespace turner {
 
-// The name "-" is standard input, and in messages <stdin>. (A file of this name is ./-)
+// As messages have it: "-" and /dev/stdin are <stdin> (a file of the name "-" is ./-), /dev/fd/63, which a shell makes
+// of
+// <(...), is <descriptor 63>; any other name stands for itself. The first two are in no folder.
 std::string nameOfInput(const std::string& path);
-// Whether it can be read once only, since it is no regular file: "-", a pipe, a terminal.
+// Whether it may be read once only: "-", an open descriptor, a pipe, a terminal.
 bool isStream(const std::string& path);
 
 // All bytes of a file, or of a pipe up to its end. Throws InputError naming the path and the system's reason, and

@@ -140,11 +140,13 @@ void addRenderOptions(CLI::App& command, RenderOptions& options) {
              "Invocations in a work-group, rounded up to whole subgroups; never changes the picture (default: 64)");
 }
 
-void addSceneAndOutputs(CLI::App& command, RenderOptions& options) {
-  command.add_option("SCENE", options.scene, "A .json or .nff scene, or - for one from standard input")->required();
+// `streams`: "-" is standard input and output.
+void addSceneAndOutputs(CLI::App& command, RenderOptions& options, bool streams) {
+  const std::string scene = "A .json or .nff scene", output = "File to write, .exr or .png; may be repeated";
+  command.add_option("SCENE", options.scene, scene + (streams ? ", or - for one from standard input" : ""))->required();
   command
       .add_option("-o,--output", options.outputs,
-                  "File to write, .exr or .png; may be repeated; -, or png:-, is standard output (default: SCENE.exr)")
+                  output + (streams ? "; -, or png:-, is standard output" : "") + " (default: SCENE.exr)")
       ->expected(1)
       ->allow_extra_args(false)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
@@ -153,7 +155,7 @@ void addSceneAndOutputs(CLI::App& command, RenderOptions& options) {
 
 void addRender(CLI::App& app, RenderOptions& options) {
   CLI::App* command = app.add_subcommand("render", "Render a scene into EXR and PNG files");
-  addSceneAndOutputs(*command, options);
+  addSceneAndOutputs(*command, options, true);
   addChoice<Backend>(*command, "--backend", options.backend,
                      {{"shader", Backend::shader}, {"reference", Backend::reference}},
                      "Who renders: the shader, or the reference in double precision (default: shader)");
@@ -188,7 +190,7 @@ void addCompare(CLI::App& app, CompareOptions& options, RenderOptions& render) {
 void addWatch(CLI::App& app, WatchOptions& options, RenderOptions& render) {
   CLI::App* command = app.add_subcommand(
       "watch", "Render a scene again whenever its files or the shaders change, and tell what the change did");
-  addSceneAndOutputs(*command, render);
+  addSceneAndOutputs(*command, render, false);
   addText(*command, "--keep", options.keep, "DIR", "Keep every version there: its sources, its picture, its figures");
   // Beyond this the device itself is given up.
   addNumber(*command, "--timeout", options.timeout, 100,

@@ -1,6 +1,7 @@
 // Compares identities: device and inode.
 #include "command/overwriting.h"
 
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cstddef>
@@ -28,6 +29,11 @@ Identity identityOfInput(const std::string& path) {
   return path == kStandardStream ? identityOfOpen(STDIN_FILENO) : identityOf(path);
 }
 
+bool isRegularFile(int descriptor) {
+  struct stat found {};
+  return ::fstat(descriptor, &found) == 0 && S_ISREG(found.st_mode);
+}
+
 bool areOneStream(const std::string& a, const std::string& b) {
   const auto numberOf = [](const std::string& path) {
     return path == kStandardStream ? std::optional(STDIN_FILENO) : descriptorNamed(path);
@@ -36,6 +42,19 @@ bool areOneStream(const std::string& a, const std::string& b) {
   if (number && number == numberOf(b)) return true;
   const Identity identity = identityOfInput(a);
   return identity && identity == identityOfInput(b);
+}
+
+// What is told and printed may be sent into a file, by a shell's >>: an input is not to be written by it either.
+void refuseToldIn(const std::vector<std::string>& inputs) {
+  for (const int stream : {STDOUT_FILENO, STDERR_FILENO}) {
+    const Identity told = identityOfOpen(stream);
+    for (const std::string& input : inputs) {
+      // A socket or a terminal has no identity; what both ends of a pipe are is told elsewhere.
+      if (told && isRegularFile(stream) && told == identityOfInput(input))
+        throw InputError(std::string(stream == STDOUT_FILENO ? "<stdout>" : "<stderr>") + " is the input " +
+                         nameOfInput(input) + "; redirect it into another file");
+    }
+  }
 }
 
 void addSources(const std::string& folder, std::vector<std::string>& files) try {
@@ -50,8 +69,10 @@ void refuseRepeated(const std::vector<std::string>& outputs) {
   for (size_t i = 0; i < outputs.size(); ++i) {
     const Identity identity = identityOfOutput(outputs[i]);
     for (size_t j = 0; j < i; ++j) {
-      if (outputs[i] == outputs[j]) throw InputError("the output " + nameOfOutput(outputs[i]) + " is named twice");
       const std::optional<int> open = openOutput(outputs[i]);
+      // A device such as /dev/null has no identity: it takes all that comes.
+      if (outputs[i] == outputs[j] && (identity || open))
+        throw InputError("the output " + nameOfOutput(outputs[i]) + " is named twice");
       if ((open && open == openOutput(outputs[j])) || (identity && identity == identityOfOutput(outputs[j])))
         throw InputError("the outputs " + nameOfOutput(outputs[j]) + " and " + nameOfOutput(outputs[i]) +
                          " are one file; name another one");
@@ -62,6 +83,7 @@ void refuseRepeated(const std::vector<std::string>& outputs) {
 void refuseOverwriting(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs) {
   std::vector<Identity> identities;
   for (const std::string& output : outputs) identities.push_back(identityOfOutput(output));
+  refuseToldIn(inputs);
   for (const std::string& input : inputs) {
     const Identity identity = identityOfInput(input);
     for (size_t i = 0; i < outputs.size(); ++i) {

@@ -169,19 +169,19 @@ std::string namesOf(const Imf::ChannelList& channels) {
   return names;
 }
 
-// Throws if a channel has no value for some pixels.
-void checkSampling(const Imf::ChannelList& channels) {
+// A channel that has no value for some pixels; empty if there is none.
+std::string subsampledOf(const Imf::ChannelList& channels) {
   for (const char* name : kChannels) {
     const Imf::Channel& channel = channels[name];
-    if (channel.xSampling == 1 && channel.ySampling == 1) continue;
-    throw InputError("its channel " + std::string(name) + " is subsampled; every pixel needs a value");
+    if (channel.xSampling != 1 || channel.ySampling != 1) return name;
   }
+  return "";
 }
 
 // The parts that have a flat picture in R, G and B.
 struct Parts {
   std::vector<int> withRgb;
-  std::string found, remedy, deep;  // of the others: their channels, and what to do about them
+  std::string found, remedy, deep, subsampled;  // of the others: their channels, and what to do about them
 };
 
 // Reads the headers alone. Throws if a part claims an absurd size.
@@ -207,7 +207,11 @@ Parts readHeaders(const std::string& path, std::string_view bytes, int version) 
     if (header.hasType() && Imf::isDeepData(header.type())) {
       parts.deep = header.type();
     } else if (hasRgb(channels)) {
-      parts.withRgb.push_back(part);
+      const std::string subsampled = subsampledOf(channels);
+      if (subsampled.empty())
+        parts.withRgb.push_back(part);
+      else
+        parts.subsampled = subsampled;
     } else {
       parts.found += (parts.found.empty() ? "" : ", ") + namesOf(channels);
       if (parts.remedy.empty()) parts.remedy = remedyFor(channels);
@@ -219,6 +223,8 @@ Parts readHeaders(const std::string& path, std::string_view bytes, int version) 
 // The number of the part to read; throws if there is none.
 int choosePart(const Parts& parts) {
   if (!parts.withRgb.empty()) return parts.withRgb[0];
+  if (!parts.subsampled.empty())
+    throw InputError("its channel " + parts.subsampled + " is subsampled; every pixel needs a value");
   if (!parts.deep.empty() && parts.found.empty())
     throw InputError("its picture is deep (" + parts.deep + "); flatten it first");
   throw InputError("needs the channels R, G and B; found " +
@@ -245,7 +251,6 @@ ExrPicture decodeExr(const std::string& path, std::string_view bytes) {
   StringIn in(path, bytes);
   Imf::MultiPartInputFile file(in);
   const Imf::Header& header = file.header(number);
-  checkSampling(header.channels());
   if (!file.partComplete(number)) throw InputError("is incomplete: pixels are missing");
 
   // Read the pixels; coordinates count from the corner of the display window.

@@ -9,7 +9,6 @@
 #include <string_view>
 #include <utility>
 
-#include "base/descriptor_io.h"
 #include "base/errors.h"
 #include "base/text_file.h"
 #include "scene/json/scene_json.h"
@@ -115,7 +114,8 @@ void noteWhatIsMissing(Scene& scene, bool hasCamera, const std::string& notePref
 Scene loadScene(const std::string& path) {
   ParsedScene parsed = parse(path);
   Scene scene = std::move(parsed.scene);
-  scene.name = path == kStandardStream ? "stdin" : std::filesystem::path(path).stem().string();
+  const bool hasName = nameOfInput(path) == path;
+  scene.name = hasName ? std::filesystem::path(path).stem().string() : "stdin";
   const std::string notePrefix = nameOfInput(path) + ": note: ";
   dropTrianglesWithoutArea(scene, notePrefix);
   if (!parsed.hasCamera) scene.camera = fitCamera(scene);
@@ -126,7 +126,7 @@ Scene loadScene(const std::string& path) {
 std::vector<std::string> filesOf(const std::string& path, const std::vector<SourceFile>& sources) {
   std::vector<std::string> files = {path};
   for (size_t i = 1; i < sources.size(); ++i)
-    files.push_back((std::filesystem::path(path).parent_path() / sources[i].path).string());
+    files.push_back((std::filesystem::path(nameOfInput(path)).parent_path() / sources[i].path).string());
   return files;
 }
 

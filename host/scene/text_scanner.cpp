@@ -12,7 +12,8 @@ size_t TextScanner::continuationAt(size_t at) const {
   if (!joinsLines_) return 0;
   size_t end = at + 1;
   while (end < text_.size() && kindOf(text_[end]) == ByteKind::blank) ++end;
-  return end < text_.size() && text_[end] == '\n' ? end + 1 - at : 0;
+  if (end == text_.size()) return end - at;  // it joins nothing
+  return text_[end] == '\n' ? end + 1 - at : 0;
 }
 
 bool TextScanner::nextLine() {

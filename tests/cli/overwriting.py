@@ -3,7 +3,7 @@
 import os
 import shutil
 
-from support.command import LONG, Command
+from support.command import LONG, TINY, Command
 from support.pictures import write_exr
 from support.scene_texts import MESH_SCENE, OBJ, SPHERE
 from support.settings import ROOT
@@ -58,6 +58,16 @@ class Overwriting(Command):
             self.refuse("compare", "-", "a.exr", "--error-image", "a.exr", says="is an input", stdin=stdin)
         with open(self.path("scene.json"), "ab") as stdout:
             self.refuse("render", "scene.json", *LONG, "-o", "-", says=["<stdout>", "scene.json"], stdout=stdout)
+
+    def test_what_is_told_into_an_input(self):
+        write_exr(self.path("a.exr"), 2, 2, [(0, 0, 0)] * 4)
+        for name, *arguments in (("scene.json", "render", "scene.json", *LONG, "-o", "out.exr"),
+                                 ("a.exr", "compare", "a.exr", "a.exr", "--json")):  # fmt: skip
+            with open(self.path(name), "ab") as stdout:
+                self.refuse(*arguments, says=["<stdout> is the input", name], stdout=stdout)
+
+    def test_a_device_takes_whatever_comes(self):
+        self.do("render", "scene.json", *TINY, "--backend", "reference", "-o", "exr:/dev/null", "--stats", "/dev/null")
 
     def test_shaders(self):
         shutil.copytree(ROOT / "shaders", self.path("kernel"))

@@ -1,6 +1,7 @@
 """Standard input and output under the name "-", pipes and FIFOs; signals while one waits for them."""
 
 import json
+import math
 import os
 import pty
 import signal
@@ -151,6 +152,12 @@ class Streams(Command):
         self.write("shape.obj", OBJ)
         run = self.feed(MESH_SCENE, "render", "-", *QUICK, "-o", "out.exr")
         self.assertIn(b"1 triangle", run.stdout)
+        for scene in ("<(cat mesh.json)", "/dev/stdin < mesh.json", "/dev/stdin < <(cat mesh.json)",
+                      "/dev/fd/8 8< mesh.json"):  # fmt: skip
+            with self.subTest(scene):
+                self.write("mesh.json", MESH_SCENE)
+                out, _ = self.shell(f'"$T" render {scene} {" ".join(QUICK)} -o out.exr')
+                self.assertIn(b"1 triangle", out)
         # Nothing is written over them there either.
         os.symlink("shape.obj", self.path("link.exr"))
         self.feed(MESH_SCENE, "render", "-", *QUICK, "-o", "link.exr", code=WRONG_INPUT, says=["shape.obj", "is an input"])
@@ -241,6 +248,17 @@ class Streams(Command):
         self.end_waiting("render", "fifo.json", "-o", "out.exr")
         self.end_waiting("render", "scene.json", *QUICK, "-o", "fifo.exr")
         self.end_waiting("compare", "a.exr", "fifo.exr", by=signal.SIGTERM, code=TERMINATED)
+
+    def test_signals_are_heard_while_a_large_polygon_is_cut(self):
+        """It takes half a minute: a warped one that is convex nowhere."""
+        corners = 100_000
+        angles = [2 * math.pi * i / corners for i in range(corners)]
+        radii = [1 + 0.2 * math.sin(37 * angle) + 0.01 * (i % 2) for i, angle in enumerate(angles)]
+        vertices = "".join(f"v {r * math.cos(a)!r} {r * math.sin(a)!r} {0.3 * math.cos(2 * a) + 0.5 * r * math.cos(a)!r}\n"
+                           for r, a in zip(radii, angles))  # fmt: skip
+        self.write("shape.obj", vertices + "f " + " ".join(str(i + 1) for i in range(corners)) + "\n")
+        self.write("mesh.json", MESH_SCENE)
+        self.end_waiting("render", "mesh.json", *QUICK, "-o", "out.exr")
 
     def test_signals_are_heard_while_a_pipe_stalls(self):
         held, full = os.pipe()

@@ -11,6 +11,8 @@
 #include <span>
 #include <utility>
 
+#include "base/interrupt.h"
+
 namespace turner {
 
 namespace {
@@ -86,6 +88,7 @@ class EarClipper {
     std::vector<uint32_t> timesWaiting(points_.size(), 1);
     uint32_t left = 0;  // one of the points that are left
     while (triangles.size() + 3 < points_.size()) {
+      throwIfInterrupted();  // a polygon of 100,000 corners takes half a minute
       uint32_t i;
       if (!waiting.empty()) {
         i = waiting.front();
@@ -260,6 +263,7 @@ bool isSimple(const Outline& outline) {
   std::sort(segments.begin(), segments.end(),
             [](const Segment& a, const Segment& b) { return a.box.left < b.box.left; });
   for (size_t i = 0; i < count; ++i) {
+    throwIfInterrupted();
     for (size_t j = i + 1; j < count && segments[j].box.left <= segments[i].box.right; ++j) {
       if (!segments[i].box.meets(segments[j].box)) continue;
       const uint32_t first = segments[i].index, second = segments[j].index;

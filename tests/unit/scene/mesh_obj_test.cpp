@@ -111,6 +111,8 @@ TEST(Obj, BackslashJoinsLines) {
   EXPECT_EQ(mesh.positions.size(), 4u);
   EXPECT_EQ(mesh.faces.size(), 4u);
   EXPECT_TRUE(mesh.notes.empty());
+  // At the end of the file it joins nothing.
+  EXPECT_EQ(parse(kSquare + "f 1 2 3 4 \\").faces.size(), 2u);
   // Elsewhere a backslash is no blank.
   expectFault(kSquare + "f 1 2 \\ 3\n", "5:7", "'\\' is not a corner");
 }
