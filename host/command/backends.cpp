@@ -42,12 +42,12 @@ UploadedScene::UploadedScene(Scene scene, const RenderSettings& settings, const 
   if (!quiet_) {
     tell("device: {}: {} ({}, {}), fetching {}\n", device.index, device.name, device.type, device.driver,
          accessName(session_.access()));
-    if (!session_.note().empty()) tell("{}\n", session_.note());
   }
   throwIfInterrupted();
   kernel_ = session_.compile(shaderFolder(options.shaders) + "/whitted.comp");
   throwIfInterrupted();
   session_.upload();
+  if (!quiet_ && !session_.note().empty()) tell("{}\n", session_.note());
 }
 
 Image UploadedScene::render(const RenderSettings& settings, const char* what) {

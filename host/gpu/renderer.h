@@ -33,16 +33,17 @@ class ShaderRenderer {
   explicit ShaderRenderer(const DeviceInfo& device, BufferAccess access = BufferAccess::automatic);
   ~ShaderRenderer();
 
-  // Chooses how this scene will be fetched, by what fits, and tests the device (gpu/self_test.h). Throws RunError when
-  // its pictures would be wrong.
+  // Chooses how this scene will be fetched, by what fits, and begins to test the device (gpu/self_test.h), which takes
+  // a tenth of a second beside what the caller does up to upload(). Throws RunError where the device binds too few
+  // buffers.
   void plan(const PackedScene& scene);
   // How kernels are to fetch the scene that was planned last, see accessPreamble.
   BufferAccess access() const;
-  // What the user should know of how the device is used; mostly empty.
+  // What the user should know of how the device is used, after upload(); mostly empty.
   const std::string& note() const;
 
-  // Puts the scene into the device's memory, and frees it part by part. Throws InputError when it does not fit, and as
-  // plan() does.
+  // Puts the scene into the device's memory, and frees it part by part. Throws InputError when it does not fit,
+  // RunError when the device's pictures would be wrong, and as plan() does.
   void upload(PackedScene scene);
 
   // Renders the uploaded scene. Work is cut into dispatches well below a driver's watchdog; progress is called between

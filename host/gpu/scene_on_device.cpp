@@ -3,6 +3,7 @@
 
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/errors.h"
@@ -55,13 +56,18 @@ SceneOnDevice::SceneOnDevice(const DeviceInfo& info, BufferAccess wantedAccess)
 void SceneOnDevice::plan(const PackedScene& scene) {
   access = chooseAccess(device, wanted, scene.largestArray());
   checkBindings(device, access);
-  if (tested_ == access) return;
-  trust = testDevice(device, access, selfTestSources());
-  tested_ = access;
+  if (tested_ == access || inTest_ == access) return;
+  if (test_.valid()) test_.wait();  // of the scene before, which was not uploaded
+  inTest_ = access;
+  test_ = std::async([this, way = access] { return testDevice(device, way, selfTestSources()); });
 }
 
 void SceneOnDevice::upload(PackedScene scene) {
   plan(scene);
+  if (std::exchange(inTest_, std::nullopt)) {
+    trust = test_.get();
+    tested_ = access;
+  }
   features = scene.features;
   view = scene.view;
   const auto uploadWords = [&](uint binding, auto& values, const char* name) {

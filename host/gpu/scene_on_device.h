@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <future>
 #include <optional>
 
 #include "gpu/devices.h"
@@ -18,17 +19,17 @@ struct SceneOnDevice {
   // Opens the device. Throws RunError when it cannot be opened, InputError when it cannot fetch in the wanted way.
   SceneOnDevice(const DeviceInfo& info, BufferAccess wanted);
 
-  // Chooses how a scene will be fetched, and holds the device to the self-test. Throws InputError where the device
-  // binds too few buffers, RunError where it fails the test.
+  // Chooses how a scene will be fetched, and begins to hold the device to the self-test: beside what the caller does up
+  // to upload(), which must leave the device alone. Throws RunError where the device binds too few buffers.
   void plan(const PackedScene& scene);
 
-  // Replaces the scene. Throws InputError when it does not fit.
+  // Replaces the scene. Throws InputError when it does not fit, RunError where the device has failed the self-test.
   void upload(PackedScene scene);
 
   Device device;
   BufferAccess wanted;
   BufferAccess access;  // how the scene is fetched; never automatic
-  DeviceTrust trust;    // for kernels that fetch so
+  DeviceTrust trust;    // for kernels that fetch so; known after upload()
   Features features;
   View view;
   std::array<Buffer, kSceneArrays> rows;  // from gpu::kBindNodes on
@@ -37,7 +38,8 @@ struct SceneOnDevice {
   uint32_t groupsPerDispatch = 64;
 
  private:
-  std::optional<BufferAccess> tested_;
+  std::optional<BufferAccess> tested_, inTest_;
+  std::future<DeviceTrust> test_;  // the last member: it uses the device
 };
 
 }  // namespace turner

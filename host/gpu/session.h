@@ -40,15 +40,16 @@ class RenderSession {
   const DeviceInfo& device() const { return device_; }
   // How kernels fetch the scene that was prepared last.
   BufferAccess access() const { return renderer_.access(); }
-  // What the user should know of how the device is used; mostly empty.
+  // What the user should know of how the device is used, after upload(); mostly empty.
   const std::string& note() const { return renderer_.note(); }
   const StepSeconds& seconds() const { return seconds_; }
   const TreeSize& tree() const { return tree_; }
 
   // Scene -> rounded -> tree -> packed, for pictures of these settings. Throws InputError where the scene does not fit
-  // float32 or the kernel, RunError where the device would render it wrongly (gpu/self_test.h).
+  // float32 or the kernel.
   void prepare(Scene scene, const RenderSettings& settings);
-  // Puts what was prepared into the device's memory, and frees it here. Throws InputError when it does not fit.
+  // Puts what was prepared into the device's memory, and frees it here. Throws InputError when it does not fit,
+  // RunError where the device would render it wrongly (gpu/self_test.h).
   void upload();
 
   // A kernel for this device and the prepared scene's buffer access. Throws InputError with the compiler's first error.

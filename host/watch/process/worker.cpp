@@ -131,8 +131,8 @@ class Worker {
       ready.loadSeconds = watch.lap();
       session_->prepare(std::move(scene), ready.settings);
       ready.access = accessName(session_->access());
-      if (!session_->note().empty()) ready.summary.notes.push_back(session_->note());
       session_->upload();
+      if (!session_->note().empty()) ready.summary.notes.push_back(session_->note());
       ready.buildSeconds = session_->seconds().build;
       ready.uploadSeconds = session_->seconds().upload;
       hasScene_ = true;
