@@ -10,8 +10,9 @@
 # Source: SPIR-V specification 2.2.5 and 2.11 (invocations, control flow): an invocation executes what it reaches
 # itself.
 # SwiftShader, src/Pipeline/SpirvShaderControlFlow.cpp, EmitLoop: it keeps each lane's value for phis alone.
-# Seen: mesa-vulkan-drivers 22.3.6-1+deb12u2; chromium-common 156.0.8078.114-1~deb12u1.
-# Usage: findings/values_behind_divergent_loops.sh exit code 0: as described; 1: no longer so; 2: something is missing
+# Seen: mesa-vulkan-drivers 22.3.6-1+deb12u2; chromium-common 156.0.8078.114-1~deb12u1. lavapipe of Mesa 25.0.7 (Debian
+# 13) is right.
+# Usage: findings/values_behind_divergent_loops.sh    exit code 0: as described; 1: no longer so; 2: something is missing
 set -eu
 for package in gcc libvulkan-dev glslang-tools mesa-vulkan-drivers chromium-common; do
   dpkg-query -W "$package" >/dev/null 2>&1 || { echo "missing: apt-get install $package" >&2; exit 2; }
