@@ -12,6 +12,7 @@
 #include <climits>
 #include <filesystem>
 
+#include "base/file_identity.h"
 #include "base/interrupt.h"
 #include "base/number.h"
 
@@ -20,8 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kGlance = 50;     // milliseconds between looks at the flag
-constexpr int kMostLinks = 40;  // in a row, as the kernel follows
+constexpr int kGlance = 50;  // milliseconds between looks at the flag
 
 bool isAgain(int error) {
   return error == EINTR || error == EAGAIN || error == EWOULDBLOCK;
@@ -45,12 +45,11 @@ std::optional<int> descriptorSpelt(const std::string& path) {
 
 std::optional<int> descriptorNamed(const std::string& path) {
   fs::path at = path;
-  for (int i = 0; i < kMostLinks; ++i) {
+  for (int i = 0; i < kMaxLinks; ++i) {
     if (const std::optional<int> found = descriptorSpelt(at.lexically_normal().string())) return found;
-    std::error_code error;
-    const fs::path next = fs::read_symlink(at, error);
-    if (error) return std::nullopt;
-    at = at.parent_path() / next;
+    const std::optional<fs::path> next = linkedFrom(at);
+    if (!next) return std::nullopt;
+    at = *next;
   }
   return std::nullopt;
 }

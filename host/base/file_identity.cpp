@@ -8,9 +8,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// As many links in a row as the kernel follows.
-constexpr int kMaxLinks = 40;
-
 std::optional<FileIdentity> identityFrom(const struct stat& found) {
   if (S_ISCHR(found.st_mode) || S_ISSOCK(found.st_mode)) return std::nullopt;
   return FileIdentity{uint64_t(found.st_dev), uint64_t(found.st_ino), {}};
@@ -18,13 +15,19 @@ std::optional<FileIdentity> identityFrom(const struct stat& found) {
 
 }  // namespace
 
+std::optional<fs::path> linkedFrom(const fs::path& path) {
+  std::error_code error;
+  const fs::path next = fs::read_symlink(path, error);
+  if (error) return std::nullopt;
+  return path.parent_path() / next;  // an absolute `next` replaces all of it
+}
+
 fs::path followLinks(const std::string& path) {
   fs::path target = path;
   for (int i = 0; i < kMaxLinks; ++i) {
-    std::error_code error;
-    const fs::path next = fs::read_symlink(target, error);
-    if (error) return target;
-    target = target.parent_path() / next;  // an absolute `next` replaces all of it
+    const std::optional<fs::path> next = linkedFrom(target);
+    if (!next) return target;
+    target = *next;
   }
   return target;
 }

@@ -20,6 +20,10 @@ struct FileIdentity {
 std::optional<FileIdentity> identityOf(const std::string& path);
 std::optional<FileIdentity> identityOfOpen(int descriptor);
 
+// As many in a row as Linux follows.
+inline constexpr int kMaxLinks = 40;
+// Where a symbolic link leads; none: it is no link.
+std::optional<std::filesystem::path> linkedFrom(const std::filesystem::path& path);
 // Follows symbolic links by hand, because the last one may point to a file that is yet to be made. Stops at what is no
 // link; of a ring of links it returns one, and the caller's next call fails with ELOOP.
 std::filesystem::path followLinks(const std::string& path);

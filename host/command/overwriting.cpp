@@ -29,9 +29,11 @@ Identity identityOfInput(const std::string& path) {
   return path == kStandardStream ? identityOfOpen(STDIN_FILENO) : identityOf(path);
 }
 
-bool isRegularFile(int descriptor) {
+// Of what is told and printed, which a shell's >> may have sent into a file; none of a pipe or terminal.
+Identity identityOfFile(int descriptor) {
   struct stat found {};
-  return ::fstat(descriptor, &found) == 0 && S_ISREG(found.st_mode);
+  const bool isFile = ::fstat(descriptor, &found) == 0 && S_ISREG(found.st_mode);
+  return isFile ? identityOfOpen(descriptor) : std::nullopt;
 }
 
 bool areOneStream(const std::string& a, const std::string& b) {
@@ -42,19 +44,6 @@ bool areOneStream(const std::string& a, const std::string& b) {
   if (number && number == numberOf(b)) return true;
   const Identity identity = identityOfInput(a);
   return identity && identity == identityOfInput(b);
-}
-
-// What is told and printed may be sent into a file, by a shell's >>: an input is not to be written by it either.
-void refuseToldIn(const std::vector<std::string>& inputs) {
-  for (const int stream : {STDOUT_FILENO, STDERR_FILENO}) {
-    const Identity told = identityOfOpen(stream);
-    for (const std::string& input : inputs) {
-      // A socket or a terminal has no identity; what both ends of a pipe are is told elsewhere.
-      if (told && isRegularFile(stream) && told == identityOfInput(input))
-        throw InputError(std::string(stream == STDOUT_FILENO ? "<stdout>" : "<stderr>") + " is the input " +
-                         nameOfInput(input) + "; redirect it into another file");
-    }
-  }
 }
 
 void addSources(const std::string& folder, std::vector<std::string>& files) try {
@@ -83,15 +72,20 @@ void refuseRepeated(const std::vector<std::string>& outputs) {
 void refuseOverwriting(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs) {
   std::vector<Identity> identities;
   for (const std::string& output : outputs) identities.push_back(identityOfOutput(output));
-  refuseToldIn(inputs);
+  const Identity told[] = {identityOfFile(STDOUT_FILENO), identityOfFile(STDERR_FILENO)};
   for (const std::string& input : inputs) {
     const Identity identity = identityOfInput(input);
+    if (!identity) continue;
+    const std::string name = nameOfInput(input);
     for (size_t i = 0; i < outputs.size(); ++i) {
-      if (!identity || identities[i] != identity) continue;
-      const std::string output = nameOfOutput(outputs[i]), name = nameOfInput(input);
+      if (identities[i] != identity) continue;
+      const std::string output = nameOfOutput(outputs[i]);
       throw InputError("the output " + output + " is an input" + (name == output ? "" : ", " + name) +
                        "; name another file");
     }
+    if (identity == told[0] || identity == told[1])
+      throw InputError((identity == told[0] ? "<stdout> is the input " : "<stderr> is the input ") + name +
+                       "; redirect it into another file");
   }
 }
 

@@ -56,15 +56,16 @@ SceneOnDevice::SceneOnDevice(const DeviceInfo& info, BufferAccess wantedAccess)
 void SceneOnDevice::plan(const PackedScene& scene) {
   access = chooseAccess(device, wanted, scene.largestArray());
   checkBindings(device, access);
-  if (tested_ == access || inTest_ == access) return;
+  if (tested_ == access) return;
   if (test_.valid()) test_.wait();  // of the scene before, which was not uploaded
-  inTest_ = access;
+  tested_ = access;
   test_ = std::async([this, way = access] { return testDevice(device, way, selfTestSources()); });
 }
 
 void SceneOnDevice::upload(PackedScene scene) {
   plan(scene);
-  if (std::exchange(inTest_, std::nullopt)) {
+  if (test_.valid()) {
+    tested_.reset();  // unless it passes
     trust = test_.get();
     tested_ = access;
   }

@@ -38,8 +38,8 @@ struct SceneOnDevice {
   uint32_t groupsPerDispatch = 64;
 
  private:
-  std::optional<BufferAccess> tested_, inTest_;
-  std::future<DeviceTrust> test_;  // the last member: it uses the device
+  std::optional<BufferAccess> tested_;  // in test, while test_ is valid
+  std::future<DeviceTrust> test_;       // the last member: it uses the device
 };
 
 }  // namespace turner

@@ -206,11 +206,7 @@ std::string cachePath(const Device& device, BufferAccess access, const std::vect
 }
 
 void keep(const std::string& path, std::string_view result) {
-  if (path.empty()) return;
-  const std::string folder = cacheFolder();
-  makeCacheFolder(folder);
-  writeCached(path, result);
-  dropOldest(folder, kSuffix, kMostKept);
+  if (!path.empty()) keepInCache(path, kSuffix, result, kMostKept);
 }
 
 }  // namespace
@@ -229,19 +225,21 @@ std::vector<std::string> runSelfTest(const Device& device, BufferAccess access,
     const Spirv spirv = compileGlsl(sources, accessPreamble(access) + preamble);
     return runOnDevice(device, access, spirv.words, loopsAtHead, words);
   };
+  std::vector<std::array<uint32_t, kChecks>> right;
+  for (uint32_t invocation = 0; invocation < kSelfTestInvocations; ++invocation)
+    right.push_back(expected(words, invocation));
+
   const Results brief = run("");
   bool isRight = brief[kCheckedCounter] == kSelfTestInvocations;
   for (uint32_t invocation = 0; invocation < kSelfTestInvocations; ++invocation)
-    isRight &= brief[invocation] == inBrief(expected(words, invocation));
+    isRight &= brief[invocation] == inBrief(right[invocation]);
   if (isRight) return {};
 
   const Results results = run("#define IN_DETAIL\n");
   std::array<size_t, kChecks> wrong{};
-  for (uint32_t invocation = 0; invocation < kSelfTestInvocations; ++invocation) {
-    const std::array<uint32_t, kChecks> right = expected(words, invocation);
+  for (uint32_t invocation = 0; invocation < kSelfTestInvocations; ++invocation)
     for (uint32_t check = 0; check < kChecks; ++check)
-      wrong[check] += results[check * kSelfTestInvocations + invocation] != right[check];
-  }
+      wrong[check] += results[check * kSelfTestInvocations + invocation] != right[invocation][check];
   const std::string of = " of " + std::to_string(kSelfTestInvocations);
   std::vector<std::string> faults;
   for (uint32_t check = 0; check < kChecks; ++check)

@@ -9,7 +9,6 @@
 
 #include "base/cache_folder.h"
 #include "base/errors.h"
-#include "base/output_file.h"
 #include "base/text_file.h"
 #include "image/compare.h"
 #include "image/exr.h"
@@ -110,13 +109,7 @@ RenderPicture cached(const RenderPicture& render, const std::string& key) {
       }
     }
     Image image = render(settings);
-    makeCacheFolder(root);
-    try {
-      writeWholeFile(path, encodeExr(image, {}));
-    } catch (const RunError&) {
-      // A full or read-only cache costs the time to render next time.
-    }
-    dropOldest(root, kSuffix, kMostCached);
+    keepInCache(path, kSuffix, encodeExr(image, {}), kMostCached);
     return image;
   };
 }

@@ -90,9 +90,7 @@ std::optional<CachedSpirv> findCached(const std::string& folder, const std::stri
 
 void keepCached(const std::string& folder, const std::string& key, const CachedSpirv& spirv) {
   if (folder.empty()) return;
-  makeCacheFolder(folder);
-  writeCached(pathOf(folder, key), encode(key, spirv));
-  dropOldest(folder, kSuffix, kMostCached);
+  keepInCache(pathOf(folder, key), kSuffix, encode(key, spirv), kMostCached);
 }
 
 }  // namespace turner

@@ -182,6 +182,10 @@ std::string shellWord(const std::string& text) {
   return quoted + "'";
 }
 
+std::string shellInput(const std::string& path) {
+  return shellWord((path.starts_with('-') && path != "-" ? "./" : "") + path);
+}
+
 std::string timeInWords(double seconds) {
   return seconds < 1 ? fmt::format("{:.3g} ms", 1e3 * seconds) : fmt::format("{:.3g} s", seconds);
 }
@@ -210,10 +214,8 @@ std::string renderCommand(const SweptScene& scene, const SweepPoint& point, cons
   const RenderSettings& whole = scene.whole;
   const Setting& setting = point.setting;
   const Window& crop = whole.crop;
-  // A name that begins with a dash would be an option; a dash alone is standard input.
-  const std::string path = scene.path.starts_with('-') && scene.path != "-" ? "./" + scene.path : scene.path;
-  std::string command = fmt::format("turner render {} -o {}-{}.exr --width {} --height {}", shellWord(path), scene.stem,
-                                    point.name, whole.width, whole.height);
+  std::string command = fmt::format("turner render {} -o {}-{}.exr --width {} --height {}", shellInput(scene.path),
+                                    scene.stem, point.name, whole.width, whole.height);
   if (!(crop == Window{0, 0, whole.width, whole.height})) command += " --crop " + cropText(crop);
   command += fmt::format(" --samples {} --sampler {} --seed 0 --depth {}", setting.samples,
                          samplerName(setting.sampler), setting.depth);

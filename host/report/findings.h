@@ -19,6 +19,8 @@ std::vector<std::string> findings(const SweptScene& scene);
 
 // Quoted where a shell would see more in it than one word.
 std::string shellWord(const std::string& text);
+// The same of an input's name: one that begins with a dash would be an option; a dash alone is standard input.
+std::string shellInput(const std::string& path);
 
 // The render command that makes the point's picture of seed 0; the shaders' folder if it is not Turner's own.
 std::string renderCommand(const SweptScene& scene, const SweepPoint& point, const std::string& shaders);

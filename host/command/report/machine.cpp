@@ -40,8 +40,7 @@ Machine thisMachine(const ReportOptions& options, int repeats) {
   machine.shaders = options.shaders;
   machine.repeats = repeats;
   machine.command = "turner report";
-  for (const std::string& scene : options.scenes)
-    machine.command += ' ' + shellWord((scene.starts_with('-') && scene != "-" ? "./" : "") + scene);
+  for (const std::string& scene : options.scenes) machine.command += ' ' + shellInput(scene);
   machine.command += " -o " + shellWord(options.output) + (options.full ? " --full" : " --quick");
   const auto add = [&](const char* name, const auto& value) {
     if (value) machine.command += fmt::format(" {} {}", name, *value);

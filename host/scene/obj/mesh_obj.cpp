@@ -1,5 +1,5 @@
-// In: the text of an OBJ file. Out: its mesh. What says nothing about the shape is passed over; what
-// is wrong and only shades, or belongs to no face, is counted in notes.
+// In: the text of an OBJ file. Out: its mesh. What says nothing about the shape is passed over; what is wrong and only
+// shades, or belongs to no face, is counted in notes.
 #include "scene/obj/mesh_obj.h"
 
 #include <algorithm>
@@ -12,6 +12,7 @@
 #include "base/number.h"
 #include "base/reserve.h"
 #include "scene/counted_notes.h"
+#include "scene/obj/face_corner.h"
 #include "scene/obj/obj_notes.h"
 #include "scene/obj/obj_words.h"
 #include "scene/obj/statement_counts.h"
@@ -61,18 +62,12 @@ class ObjParser {
 
  private:
   static constexpr TextScanner::Continuation kContinuation = TextScanner::Continuation::backslash;
-  static constexpr uint32_t kNone = UINT32_MAX;
 
   // What a fault in a statement throws, to leave it at once.
   struct Broken {};
   struct Fault {
     size_t offset;
     std::string message;
-  };
-
-  struct Corner {
-    uint32_t vertex = 0;
-    uint32_t normal = kNone;
   };
 
   // A vertex that is no three numbers: a fault once a face has it.
@@ -193,18 +188,10 @@ class ObjParser {
 
   static constexpr const char* kCornerForms = " is not a corner; allowed are v, v/vt, v//vn and v/vt/vn, whole numbers";
 
-  // An index as the file gives it, from 1 or from the end, as an index from 0; kNone if there is none such.
-  static uint32_t resolve(std::string_view text, size_t count) {
-    long long index = 0;
-    const auto known = (long long)count;
-    if (parseInteger(text, index) != NumberFault::none || index == 0 || index < -known || index > known) return kNone;
-    return uint32_t(index > 0 ? index - 1 : known + index);
-  }
-
   uint32_t resolveVertex(const Token& place, std::string_view text) {
     const size_t count = mesh_.positions.size();
-    const uint32_t vertex = resolve(text, count);
-    if (vertex != kNone) return vertex;
+    const uint32_t vertex = resolveIndex(text, count);
+    if (vertex != kNoIndex) return vertex;
     long long ignored;
     if (parseInteger(text, ignored) == NumberFault::notANumber) fail(place.offset, quoted(place.text) + kCornerForms);
     const std::string known = std::to_string(count);
@@ -214,36 +201,10 @@ class ObjParser {
                          : "allowed are 1 to " + known + ", and -1 to -" + known + " counted back from here"));
   }
 
-  // Reads a corner without signs whose indices exist, as almost all are. False for any other.
-  bool readPlainCorner(std::string_view text, Corner& corner) const {
-    const char* at = text.data();
-    const char* const end = at + text.size();
-    // An index of a few digits; 0 if there is none.
-    const auto readIndex = [&] {
-      constexpr std::ptrdiff_t kMostDigits = 9;
-      const char* const last = at + std::min(kMostDigits, end - at);
-      uint32_t index = 0;
-      for (; at != last && *at >= '0' && *at <= '9'; ++at) index = 10 * index + uint32_t(*at - '0');
-      return index;
-    };
-    const uint32_t vertex = readIndex();
-    if (vertex == 0 || vertex > mesh_.positions.size()) return false;
-    corner = {vertex - 1, kNone};
-    if (at == end) return true;
-    if (*at++ != '/') return false;
-    readIndex();  // the texture coordinate is not used
-    if (at == end) return true;
-    if (*at++ != '/') return false;
-    if (at == end) return true;
-    const uint32_t normal = readIndex();
-    if (at != end || normal == 0 || normal > mesh_.normals.size()) return false;
-    corner.normal = normal - 1;
-    return true;
-  }
-
   // A normal that does not exist is none. The texture coordinate is not looked at.
-  Corner readCorner(const Token& token) {
-    if (Corner corner; readPlainCorner(token.text, corner)) return corner;
+  FaceCorner readCorner(const Token& token) {
+    if (FaceCorner corner; readPlainCorner(token.text, mesh_.positions.size(), mesh_.normals.size(), corner))
+      return corner;
     std::array<std::string_view, 3> parts;
     size_t count = 0;
     for (std::string_view rest = token.text;; ++count) {
@@ -253,11 +214,11 @@ class ObjParser {
       if (slash == std::string_view::npos) break;
       rest.remove_prefix(slash + 1);
     }
-    Corner corner;
+    FaceCorner corner;
     corner.vertex = resolveVertex(token, parts[0]);
     if (!parts[2].empty()) {
-      corner.normal = resolve(parts[2], mesh_.normals.size());
-      lacksNormal_ |= corner.normal == kNone;
+      corner.normal = resolveIndex(parts[2], mesh_.normals.size());
+      lacksNormal_ |= corner.normal == kNoIndex;
     }
     return corner;
   }
@@ -267,14 +228,14 @@ class ObjParser {
     lacksNormal_ = false;
     for (Token token = lines_.next(); !token.text.empty(); token = lines_.next()) {
       corners_.push_back(readCorner(token));
-      lacksNormal_ |= (corners_.back().normal == kNone) != (corners_.front().normal == kNone);
+      lacksNormal_ |= (corners_.back().normal == kNoIndex) != (corners_.front().normal == kNoIndex);
     }
     if (corners_.size() < 3) return notes_.add(kFewCorners, word.offset);
     hasFaces_ = true;
     if (!unusable_.empty()) refuseUnusableVertices();
     if (lacksNormal_) notes_.add(kNormalsMissing, word.offset);
     if (lacksNormal_ || (hasNormalsWithoutDirection_ && hasNormalWithoutDirection())) {
-      for (Corner& corner : corners_) corner.normal = kNone;
+      for (FaceCorner& corner : corners_) corner.normal = kNoIndex;
     }
     if (corners_.size() == 3) {
       addFace(0, 1, 2);
@@ -284,15 +245,15 @@ class ObjParser {
   }
 
   bool hasNormalWithoutDirection() const {
-    return std::any_of(corners_.begin(), corners_.end(), [&](const Corner& corner) {
-      return corner.normal != kNone && mesh_.normals[corner.normal] == glm::dvec3(0);
+    return std::any_of(corners_.begin(), corners_.end(), [&](const FaceCorner& corner) {
+      return corner.normal != kNoIndex && mesh_.normals[corner.normal] == glm::dvec3(0);
     });
   }
 
   // Tells of each such vertex once.
   void refuseUnusableVertices() {
     bool isBroken = false;
-    for (const Corner& corner : corners_) {
+    for (const FaceCorner& corner : corners_) {
       const auto found = std::lower_bound(unusable_.begin(), unusable_.end(), corner.vertex,
                                           [](const UnusableVertex& v, uint32_t index) { return v.index < index; });
       if (found == unusable_.end() || found->index != corner.vertex) continue;
@@ -313,13 +274,13 @@ class ObjParser {
   }
 
   void addFace(uint32_t a, uint32_t b, uint32_t c) {
-    const Corner &first = corners_[a], &second = corners_[b], &third = corners_[c];
+    const FaceCorner &first = corners_[a], &second = corners_[b], &third = corners_[c];
     mesh_.faces.push_back({{first.vertex, second.vertex, third.vertex}, {first.normal, second.normal, third.normal}});
   }
 
   void addPolygon(const Token& word) {
     positions_.clear();
-    for (const Corner& corner : corners_) positions_.push_back(mesh_.positions[corner.vertex]);
+    for (const FaceCorner& corner : corners_) positions_.push_back(mesh_.positions[corner.vertex]);
     const CutPolygon polygon = triangulatePolygon(positions_);
     if (polygon.crossesItself) notes_.add(kCrossing, word.offset);
     if (polygon.triangles.empty()) notes_.add(kNoArea, word.offset);
@@ -336,7 +297,7 @@ class ObjParser {
   bool passedOverContinues_ = false;      // the last statement was passed over and ended in a backslash
   std::optional<Token> firstUnknown_;     // statement
   std::vector<UnusableVertex> unusable_;  // by index
-  std::vector<Corner> corners_;           // of the face being read; kept for their memory
+  std::vector<FaceCorner> corners_;       // of the face being read; kept for their memory
   bool lacksNormal_ = false;              // of the face being read, at some corners
   std::vector<glm::dvec3> positions_;     // likewise
 };

@@ -6,22 +6,18 @@
 #include <string>
 #include <vector>
 
-#include "scene/nff/scene_nff.h"
+#include "support/nff_texts.h"
 
 namespace turner {
 namespace {
 
-const std::string kView = "v\nfrom 0 0 5\nat 0 0 0\nup 0 1 0\nangle 45\nhither 1\nresolution 320 200\n";
-const std::string kMaterial = "f 1 0.5 0.25 0.8 0.5 3 0.25 1.5\n";
-
-Scene parse(const std::string& text) {
-  return parseNffScene("dir/test.nff", text).scene;
-}
+const std::string &kView = test::kNffView, &kMaterial = test::kNffMaterial;
+using test::parseNff;
 
 // The text is read, with one note, at this place and with these words.
 Scene expectNote(const std::string& text, const std::string& place, const std::string& words) {
   SCOPED_TRACE(text);
-  const Scene scene = parse(text);
+  const Scene scene = parseNff(text);
   EXPECT_EQ(scene.notes, std::vector<std::string>{"dir/test.nff:" + place + ": note: " + words});
   return scene;
 }
@@ -52,7 +48,7 @@ TEST(OddNff, PolygonsThatCrossThemselvesAreCutAndCounted) {
 }
 
 TEST(OddNff, WarpedPolygonsKeepAllCorners) {
-  const Scene scene = parse(kMaterial + "p 4\n0 0 0\n0 0 -2\n1 0 -1\n0 -1 0\n");
+  const Scene scene = parseNff(kMaterial + "p 4\n0 0 0\n0 0 -2\n1 0 -1\n0 -1 0\n");
   ASSERT_EQ(scene.triangles.size(), 2u);
   EXPECT_EQ(scene.triangles[0].positions, (std::array<uint32_t, 3>{0, 1, 2}));
   EXPECT_EQ(scene.triangles[1].positions, (std::array<uint32_t, 3>{0, 2, 3}));
@@ -86,10 +82,10 @@ TEST(OddNff, UnknownEntitiesAreCounted) {
 // The index of refraction counts only where T > 0, hither never.
 TEST(OddNff, WhatIsNotUsedMayBeMissingOrWrong) {
   for (const char* material : {"f 1 1 1 1 0 0 0\n", "f 1 1 1 1 0 0 0 nan\n", "f 1 1 1 1 0 0 0 -1\n"})
-    EXPECT_EQ(parse(material).materials.size(), 1u);
+    EXPECT_EQ(parseNff(material).materials.size(), 1u);
   const std::string view = "v\nfrom 0 0 5\nat 0 0 0\nup 0 1 0\nangle 45\nresolution 8 8\n";
   for (const char* hither : {"", "hither nan\n", "hither\n", "hither 1 2\n", "hither x\n"})
-    EXPECT_EQ(parse(view + hither).width, 8);
+    EXPECT_EQ(parseNff(view + hither).width, 8);
 }
 
 }  // namespace

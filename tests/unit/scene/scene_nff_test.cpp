@@ -15,16 +15,13 @@
 #include "scene/nff/scene_nff.h"
 #include "support/damage.h"
 #include "support/loading_speed.h"
+#include "support/nff_texts.h"
 
 namespace turner {
 namespace {
 
-const std::string kView = "v\nfrom 0 0 5\nat 0 0 0\nup 0 1 0\nangle 45\nhither 1\nresolution 320 200\n";
-const std::string kMaterial = "f 1 0.5 0.25 0.8 0.5 3 0.25 1.5\n";
-
-Scene parse(const std::string& text) {
-  return parseNffScene("dir/test.nff", text).scene;
-}
+const std::string &kView = test::kNffView, &kMaterial = test::kNffMaterial;
+using test::parseNff;
 
 // The message for a wrong file, one line for each fault.
 std::string faultsOf(const std::string& text) {
@@ -49,9 +46,10 @@ void expectFault(const std::string& text, const std::string& place, const std::s
 }
 
 TEST(Nff, EveryEntityIsRead) {
-  const Scene scene = parse("# a comment\nb 0.1 0.2 0.3\n" + kView + "l 1 2 3 4 5 6  # with a colour\n" + kMaterial +
-                            "s 1 2 3 0.5\np 3\n0 0 0\n1 0 0\n0 1 0\n\npp 3\n0 0 0 0 0 1\n1 0 0 0 0 2\n0 1 0 0 1 1\n" +
-                            "f 1 1 1 1 0 0 0 0\ns 0 0 0 -2\r\n");
+  const Scene scene =
+      parseNff("# a comment\nb 0.1 0.2 0.3\n" + kView + "l 1 2 3 4 5 6  # with a colour\n" + kMaterial +
+               "s 1 2 3 0.5\np 3\n0 0 0\n1 0 0\n0 1 0\n\npp 3\n0 0 0 0 0 1\n1 0 0 0 0 2\n0 1 0 0 1 1\n" +
+               "f 1 1 1 1 0 0 0 0\ns 0 0 0 -2\r\n");
   EXPECT_EQ(scene.name, "test");
   ASSERT_EQ(scene.sources.size(), 1u);
   EXPECT_EQ(scene.sources[0].path, "test.nff");
@@ -84,7 +82,7 @@ TEST(Nff, EveryEntityIsRead) {
 }
 
 TEST(Nff, MaterialsFollowTheirRule) {
-  const Scene scene = parse(kMaterial + "f 1 1 1 1 1 0 0 0\n");
+  const Scene scene = parseNff(kMaterial + "f 1 1 1 1 1 0 0 0\n");
   ASSERT_EQ(scene.materials.size(), 2u);
   const Material& material = scene.materials[0];
   EXPECT_EQ(material.name, "f1");
@@ -102,7 +100,7 @@ TEST(Nff, MaterialsFollowTheirRule) {
 }
 
 TEST(Nff, LightsWithoutColorShareByTheNumberOfAllLights) {
-  const Scene scene = parse("l 0 0 1\nl 0 0 2 0.5 0.25 2\nl 0 0 3\nl 0 0 4\n");
+  const Scene scene = parseNff("l 0 0 1\nl 0 0 2 0.5 0.25 2\nl 0 0 3\nl 0 0 4\n");
   ASSERT_EQ(scene.lights.size(), 4u);
   for (const size_t i : {0, 2, 3}) EXPECT_EQ(scene.lights[i].color, glm::dvec3(0.5));
   EXPECT_EQ(scene.lights[1].color, glm::dvec3(0.5, 0.25, 2));
@@ -139,7 +137,7 @@ TEST(Nff, ConcavePolygonOf144CornersBecomes142Triangles) {
     const auto [bx, by] = points[(i + 1) % points.size()];
     outline += ax * by - ay * bx;
   }
-  const Scene scene = parse(text);
+  const Scene scene = parseNff(text);
   ASSERT_EQ(scene.triangles.size(), 142u);
   double sum = 0;
   for (const Triangle& triangle : scene.triangles) {
@@ -153,7 +151,7 @@ TEST(Nff, ConcavePolygonOf144CornersBecomes142Triangles) {
 
 TEST(Nff, TrianglesOfAPolygonShareItsCorners) {
   const Scene scene =
-      parse(kMaterial + "p 3\n0 0 0\n1 0 0\n0 1 0\npp 4\n0 0 0 0 0 1\n1 0 0 0 0 1\n1 1 0 0 0 2\n" + "0 1 0 0 0 1\n");
+      parseNff(kMaterial + "p 3\n0 0 0\n1 0 0\n0 1 0\npp 4\n0 0 0 0 0 1\n1 0 0 0 0 1\n1 1 0 0 0 2\n" + "0 1 0 0 0 1\n");
   ASSERT_EQ(scene.triangles.size(), 3u);
   EXPECT_EQ(scene.positions.size(), 7u);
   EXPECT_EQ(scene.normals.size(), 4u);
@@ -163,7 +161,7 @@ TEST(Nff, TrianglesOfAPolygonShareItsCorners) {
 
 TEST(Nff, ConesStayWhatTheyAre) {
   const Scene scene =
-      parse(kMaterial + "c 1 2 3 0.5 4 5 7 0.25\nc 0 0 0 -1 0 0 1 0\n" + kMaterial + "c 0 0 0 0 0 1 0 2\n");
+      parseNff(kMaterial + "c 1 2 3 0.5 4 5 7 0.25\nc 0 0 0 -1 0 0 1 0\n" + kMaterial + "c 0 0 0 0 0 1 0 2\n");
   ASSERT_EQ(scene.cones.size(), 3u);
   EXPECT_TRUE(scene.triangles.empty());
   EXPECT_EQ(scene.cones[0].base, glm::dvec3(1, 2, 3));
@@ -178,7 +176,8 @@ TEST(Nff, ConesStayWhatTheyAre) {
 }
 
 TEST(Nff, ConesMayStandOnThreeLines) {
-  const Scene one = parse(kMaterial + "c 0 -1 0 1 0 1 0 0.5\n"), three = parse(kMaterial + "c\n0 -1 0 1\n0 1 0 0.5\n");
+  const Scene one = parseNff(kMaterial + "c 0 -1 0 1 0 1 0 0.5\n"),
+              three = parseNff(kMaterial + "c\n0 -1 0 1\n0 1 0 0.5\n");
   ASSERT_EQ(one.cones.size(), 1u);
   ASSERT_EQ(three.cones.size(), 1u);
   EXPECT_EQ(one.cones[0].apex, three.cones[0].apex);
@@ -292,7 +291,7 @@ const std::string kSmall = "# small\nb 0.5 0.25 1e-3\n" + kView + "l 1 2 3\nl 1 
                            "pp 3\n0 0 0 0 0 1\n1 0 0 0 1 1\n0 1 0 1 0 1\n";
 
 TEST(Nff, DamagedFilesParseOrAreRefused) {
-  test::expectSurvivesDamage([](const std::string& text) { parse(text); }, kSmall, "dir/test.nff");
+  test::expectSurvivesDamage([](const std::string& text) { parseNff(text); }, kSmall, "dir/test.nff");
 }
 
 constexpr size_t kEach = 10'000;
@@ -324,14 +323,14 @@ std::string largeNff() {
 }
 
 TEST(Nff, LargeFilesAreReadWhole) {
-  const Scene scene = parse(largeNff());
+  const Scene scene = parseNff(largeNff());
   EXPECT_EQ(scene.spheres.size(), kEach);
   EXPECT_EQ(scene.triangles.size(), 2 * kEach + 10 * 142);
 }
 
 TEST(TimingNff, LargeFilesAreReadFast) {
   const std::string text = largeNff();
-  const double ratio = test::timeBesideSumming(text, [](const std::string& t) { parse(t); });
+  const double ratio = test::timeBesideSumming(text, [](const std::string& t) { parseNff(t); });
   RecordProperty("time_beside_summing", std::to_string(ratio));
   EXPECT_LT(ratio, test::kMostTimeBesideSumming);
 }
