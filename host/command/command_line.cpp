@@ -153,6 +153,10 @@ void addSceneAndOutputs(CLI::App& command, RenderOptions& options, bool streams)
       ->type_name("FILE");
 }
 
+void checkOutputs(const RenderOptions& options) {
+  for (const std::string& output : options.outputs) checkText("--output", "FILE", output);
+}
+
 void addRender(CLI::App& app, RenderOptions& options) {
   CLI::App* command = app.add_subcommand("render", "Render a scene into EXR and PNG files");
   addSceneAndOutputs(*command, options, true);
@@ -290,6 +294,7 @@ CommandLine parseCommandLine(int argc, char** argv) {
     printResult(text.str());
     return line;
   } catch (const CLI::ExtrasError&) {
+    checkOutputs(line.render);  // an option that was taken for a file is why its value is left over
     throw InputError(unknownArgument(app, app.remaining(true).at(0)));
   } catch (const CLI::RequiredError& error) {
     // A misspelt option is a better reason than what is missing because of it.
@@ -299,7 +304,7 @@ CommandLine parseCommandLine(int argc, char** argv) {
     throw InputError(error.what());
   }
 
-  for (const std::string& output : line.render.outputs) checkText("--output", "FILE", output);
+  checkOutputs(line.render);
   if (app.got_subcommand("render")) line.kind = CommandKind::render;
   if (app.got_subcommand("compare")) line.kind = CommandKind::compare;
   if (app.got_subcommand("watch")) line.kind = CommandKind::watch;

@@ -3,6 +3,7 @@
 #include <system_error>
 
 #include "base/errors.h"
+#include "base/file_identity.h"
 #include "base/tell.h"
 #include "base/temporary.h"
 #include "command/commands.h"
@@ -29,14 +30,19 @@ void refuseWithin(const fs::path& shaders, const fs::path& place, const std::str
   }
 }
 
+fs::path withoutLastSlash(const fs::path& path) {
+  return path.has_filename() ? path : path.parent_path();
+}
+
 }  // namespace
 
 int copyShaders(const std::string& folder) {
   const fs::path shaders = shaderFolder("");
   // Copied beside, then renamed: the folder is there whole or not at all.
   try {
-    const fs::path target = fs::weakly_canonical(fs::absolute(folder));
-    const fs::path place = target.has_filename() ? target : target.parent_path();
+    // A link may lead to a folder that is yet to be made.
+    const fs::path named = followLinks(withoutLastSlash(fs::absolute(folder)));
+    const fs::path place = withoutLastSlash(fs::weakly_canonical(named));
     refuseWithin(shaders, place, folder);
     // What somebody has edited there must not be lost.
     if (fs::exists(place) && (!fs::is_directory(place) || !fs::is_empty(place)))

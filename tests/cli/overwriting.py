@@ -133,9 +133,19 @@ class Overwriting(Command):
             self.refuse("shaders", "--copy", name, says=["copy", "elsewhere"])
             self.assertFalse(inside.exists())
 
+    def test_a_copy_of_the_shaders_through_a_link_to_no_folder_yet(self):
+        for name in ("copied", "copied/"):
+            with self.subTest(name):
+                os.symlink("new/kernel", self.path("copied"))
+                self.do("shaders", "--copy", name)
+                self.assertTrue(self.path("copied").is_symlink())
+                self.assertTrue(self.path("new/kernel/whitted.comp").is_file())
+                shutil.rmtree(self.path("new"))
+                self.path("copied").unlink()
+
     def test_options_that_are_no_values(self):
         for args in (["--stats", "--quiet"], ["-o", "--quiet"], ["--stats", "-o"], ["--shaders", "--quiet"],
-                     ["--device", "--quiet"]):
+                     ["--device", "--quiet"], ["-o", "--width", "8"]):
             with self.subTest(args):
                 self.refuse("render", "scene.json", *LONG, *args, says=[args[1], "./" + args[1]])
         self.refuse("compare", "scene.json", *LONG, "--error-image", "--json", says=["--json", "./--json"])

@@ -175,20 +175,23 @@ struct Cut {
   OutlineKind kind = OutlineKind::touching;
 };
 
+// Of an outline that does not touch itself; nothing if it does, or has no area.
 template <class Outline>
-Cut cut(const Outline& outline) {
+std::optional<Cut> cutSimple(const Outline& outline) {
   if (outline.size() < 3) return {};
   Triangles triangles = fan(outline);
-  if (triangles.empty()) {
-    if (isCollinear(outline)) return {};
-    if (isSimple(outline)) triangles = triangulateSimple(outline);
-    if (triangles.empty()) {
-      std::optional<Triangles> touching = triangulateTouching(outline.points, outline.corners);
-      return touching ? Cut{std::move(*touching), OutlineKind::touching} : Cut{{}, OutlineKind::crossing};
-    }
-  }
+  if (triangles.empty() && !isCollinear(outline) && isSimple(outline)) triangles = triangulateSimple(outline);
+  if (triangles.empty()) return {};
   nameCorners(outline, triangles);
-  return {std::move(triangles), OutlineKind::simple};
+  return Cut{std::move(triangles), OutlineKind::simple};
+}
+
+// Of one that does.
+template <class Outline>
+Cut cutTouching(const Outline& outline) {
+  if (outline.size() < 3 || isCollinear(outline)) return {};
+  std::optional<Triangles> triangles = triangulateTouching(outline.points, outline.corners);
+  return triangles ? Cut{std::move(*triangles), OutlineKind::touching} : Cut{{}, OutlineKind::crossing};
 }
 
 // Whether the triangles end where the outline is: of their edges those are left over that are walked along it. Where it
@@ -241,19 +244,28 @@ bool isConvexQuad(Corners corners, const Plane& plane) {
          orientation(p[3], p[0], p[1]) == side;
 }
 
-// A polygon whose corners lie in no plane; `flat` is what it is seen along the axis.
-CutPolygon cutWarped(Corners corners, Cut flat, const Plane& plane) {
+// A polygon whose corners lie in no plane.
+CutPolygon cutWarped(Corners corners, const Plane& plane) {
   const std::vector<uint32_t> distinct = distinctCorners(corners);
-  const bool isWhole = keepsOutline(corners, flat, distinct);
-  if (isWhole && facesTheNormal(corners, flat.triangles, plane)) return {.triangles = std::move(flat.triangles)};
-  const TiltedOutline outline = tilt(corners, distinct, plane);
-  Cut tilted = cut(outline);
-  if (keepsOutline(corners, tilted, distinct) && facesTheNormal(corners, tilted.triangles, plane))
-    return {.triangles = std::move(tilted.triangles)};
+  const auto isWhole = [&](const std::optional<Cut>& cut) { return cut && keepsOutline(corners, *cut, distinct); };
+  const auto isRight = [&](const std::optional<Cut>& cut) {
+    return isWhole(cut) && facesTheNormal(corners, cut->triangles, plane);
+  };
+  const FlatOutline alongAxis = flatten(corners, plane);
+  std::optional<Cut> flat = cutSimple(alongAxis);
+  if (isRight(flat)) return {.triangles = std::move(flat->triangles)};
+  const TiltedOutline alongNormal = tilt(corners, distinct, plane);
+  std::optional<Cut> tilted = cutSimple(alongNormal);
+  if (isRight(tilted)) return {.triangles = std::move(tilted->triangles)};
+  // Last, what takes hundreds of times as long.
+  if (!flat) flat = cutTouching(alongAxis);
+  if (isRight(flat)) return {.triangles = std::move(flat->triangles)};
+  if (!tilted) tilted = cutTouching(alongNormal);
+  if (isRight(tilted)) return {.triangles = std::move(tilted->triangles)};
   // It crosses itself as seen along its normal, but not as seen along the axis.
-  if (isWhole) return {.triangles = std::move(flat.triangles)};
-  CutPolygon result{.triangles = triangulateAnyhow(outline), .crossesItself = true};
-  nameCorners(outline, result.triangles);
+  if (isWhole(flat)) return {.triangles = std::move(flat->triangles)};
+  CutPolygon result{.triangles = triangulateAnyhow(alongNormal), .crossesItself = true};
+  nameCorners(alongNormal, result.triangles);
   return result;
 }
 
@@ -273,10 +285,12 @@ CutPolygon triangulatePolygon(Corners corners) {
     Triangles fan{{0, 1, 2}, {0, 2, 3}};
     if (isPlanar(corners, plane) || facesTheNormal(corners, fan, plane)) return {.triangles = std::move(fan)};
   }
-  Cut flat = cut(flatten(corners, plane));
-  if (!isPlanar(corners, plane)) return cutWarped(corners, std::move(flat), plane);
-  if (flat.kind == OutlineKind::crossing) return cutAnyhow(corners, distinctCorners(corners), plane);
-  return {.triangles = std::move(flat.triangles)};
+  if (!isPlanar(corners, plane)) return cutWarped(corners, plane);
+  const FlatOutline outline = flatten(corners, plane);
+  std::optional<Cut> flat = cutSimple(outline);
+  if (!flat) flat = cutTouching(outline);
+  if (flat->kind == OutlineKind::crossing) return cutAnyhow(corners, distinctCorners(corners), plane);
+  return {.triangles = std::move(flat->triangles)};
 }
 
 }  // namespace turner
