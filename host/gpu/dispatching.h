@@ -1,6 +1,7 @@
 // How a render is cut into dispatches, and how a kernel shows that its picture is not to be trusted.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -17,6 +18,9 @@ struct Dispatching {
   // Tests set others.
   uint32_t budget = 0;
   bool loopsAtHead = false;  // the kernel's loops end at their head, also where the device does not need it (tests)
+  // Most pipelines that are kept for later renders: of the kernel in hand and of one to compare it with, each to begin
+  // and to take up work, and those that count. Who renders many settings in turn keeps more.
+  size_t keptPipelines = 8;
   // Called before the driver is given a pipeline to compile, which may take longer than any dispatch; the next call of
   // progress tells that it is done.
   std::function<void()> compiles;

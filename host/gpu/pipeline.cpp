@@ -48,10 +48,6 @@ Pipeline makePipeline(const Device& device, const Spirv& kernel, const Constants
   return result;
 }
 
-// Most pipelines that are kept for later renders: of the kernel in hand and of one to compare it with, each to begin
-// and to take up work, and those that count.
-constexpr size_t kKeptPipelines = 8;
-
 }  // namespace
 
 vk::DescriptorType bindingType(uint32_t binding, BufferAccess access) {
@@ -81,7 +77,7 @@ Constants specialise(const Features& features, const RenderSettings& settings, u
 }
 
 std::shared_ptr<const Pipeline> KeptPipelines::find(const Device& device, const Spirv& kernel,
-                                                    const Constants& constants, BufferAccess access) {
+                                                    const Constants& constants, BufferAccess access, size_t most) {
   const auto found = std::find_if(pipelines_.begin(), pipelines_.end(), [&](const auto& kept) {
     return kept->constants == constants && kept->words == kernel.words;
   });
@@ -89,7 +85,7 @@ std::shared_ptr<const Pipeline> KeptPipelines::find(const Device& device, const 
     pipelines_.splice(pipelines_.begin(), pipelines_, found);
   else
     pipelines_.push_front(std::make_shared<const Pipeline>(makePipeline(device, kernel, constants, access)));
-  if (pipelines_.size() > kKeptPipelines) pipelines_.pop_back();
+  if (pipelines_.size() > most) pipelines_.pop_back();
   return pipelines_.front();
 }
 

@@ -37,10 +37,10 @@ Constants specialise(const Features& features, const RenderSettings& settings, u
 // Pipelines that were used last, kept for later renders.
 class KeptPipelines {
  public:
-  // The pipeline of this kernel and these constants, kept or new. Throws RunError with the complaints of the validation
-  // layers.
+  // The pipeline of this kernel and these constants, kept or new; at most so many are kept. Throws RunError with the
+  // complaints of the validation layers.
   std::shared_ptr<const Pipeline> find(const Device& device, const Spirv& kernel, const Constants& constants,
-                                       BufferAccess access);
+                                       BufferAccess access, size_t most);
 
  private:
   std::list<std::shared_ptr<const Pipeline>> pipelines_;  // latest first

@@ -164,7 +164,7 @@ void TilePasses::bind() {
 std::shared_ptr<const Pipeline> TilePasses::make(bool isFresh) const {
   const Constants constants = specialise(scene_.features, settings_, workGroup_, budget(device_, dispatching_),
                                          counters_, isFresh, scene_.trust.loopsAtHead || dispatching_.loopsAtHead);
-  return scene_.pipelines.find(device_, kernel_, constants, scene_.access);
+  return scene_.pipelines.find(device_, kernel_, constants, scene_.access, dispatching_.keptPipelines);
 }
 
 const Pipeline& TilePasses::resumedPipeline() {

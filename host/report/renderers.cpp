@@ -51,11 +51,14 @@ class ReferencePictures : public Renderer {
   Scene scene_;
 };
 
+// All settings of a sweep have one in most cases, so that their repeats need not make it again.
+constexpr size_t kKeptPipelines = 100;
+
 class ShaderPictures : public Renderer {
  public:
   ShaderPictures(const Scene& scene, const DeviceInfo& device, const std::string& shaders)
       : scene_(scene),
-        session_(device),
+        session_(device, BufferAccess::automatic, {.keptPipelines = kKeptPipelines}),
         path_(shaders + "/whitted.comp"),
         kernel_(session_.compile(path_)),
         access_(session_.access()) {

@@ -34,30 +34,6 @@ def check_scene(scene, kinds):
     assert "roofline_share" in scene
 
 
-def check_price(folder):
-    """Every part of the kernel that is replaced must still be found in it; what it removes is there without it."""
-    written = os.path.join(folder, "price.json")
-    done = run("--price", SCENES / "glass.json", "--width", 32, "--height", 32, "--runs", 1,
-               "--price-rays", 20000, "--json", written)
-    assert done.returncode == 0, done.stdout + done.stderr
-    with open(written, encoding="utf-8") as file:
-        switches = {switch["name"]: switch for switch in json.load(file)["switches"]}
-    assert len(switches) == 11, switches.keys()
-    for name, switch in switches.items():
-        assert name in done.stdout, name
-        # glass.json has neither spheres that the eye is near nor such that are far away, nor glass in glass.
-        scene_names = [scene["scene"] for scene in switch["scenes"]]
-        assert scene_names == ([] if name.startswith(("compensated", "solids")) else ["glass.json"]), switch
-        for scene in switch["scenes"]:
-            assert scene["ratio"]["median"] > 0 and scene["rays"] > 32 * 32, scene
-            if name != "offset and exclusion":
-                assert abs(scene["rays_without"] / scene["rays"] - 1) < 0.05, scene
-    for name in ("watertight edge test", "compensated spheres near the eye", "compensated spheres far away",
-                 "start offset by its error bound", "offset and exclusion", "Snell's law with twice the digits",
-                 "solids of glass in one another"):
-        assert any(f["without"] > 10 * f["with"] for f in switches[name]["failures"]), switches[name]
-
-
 class Bench(unittest.TestCase):
     def test_scenes_are_measured_and_the_tracers_agree(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -90,13 +66,35 @@ class Bench(unittest.TestCase):
             done = run(mesh, "--width", 32, "--height", 32, "--runs", 1)
             assert done.returncode == 0 and "| bumpy.obj | 964 |" in done.stdout, done.stdout + done.stderr
 
-    def test_the_price_of_parts(self):
-        with tempfile.TemporaryDirectory() as folder:
-            check_price(folder)
-
     def test_wrong_input_is_refused(self):
         for wrong in (["no such scene"], ["spheres", "--runs", "0"], ["spheres", "--device", "no such device"],
                       ["spheres", "--json", "/no/such/folder/x.json"],
                       ["--price", "no such scene"], ["--price", "spheres", "--price-rays", "0"]):
             done = run(*wrong)
             assert done.returncode == 2 and done.stderr, (wrong, done)
+
+
+class Price(unittest.TestCase):
+    def test_parts_are_found_and_what_they_are_for_is_not_there_without_them(self):
+        """Every part of the kernel that is replaced must still be found in it."""
+        with tempfile.TemporaryDirectory() as folder:
+            written = os.path.join(folder, "price.json")
+            done = run("--price", SCENES / "glass.json", "--width", 32, "--height", 32, "--runs", 1,
+                       "--price-rays", 20000, "--json", written)
+            assert done.returncode == 0, done.stdout + done.stderr
+            with open(written, encoding="utf-8") as file:
+                switches = {switch["name"]: switch for switch in json.load(file)["switches"]}
+            assert len(switches) == 11, switches.keys()
+            for name, switch in switches.items():
+                assert name in done.stdout, name
+                # glass.json has neither spheres that the eye is near nor such that are far away, nor glass in glass.
+                scene_names = [scene["scene"] for scene in switch["scenes"]]
+                assert scene_names == ([] if name.startswith(("compensated", "solids")) else ["glass.json"]), switch
+                for scene in switch["scenes"]:
+                    assert scene["ratio"]["median"] > 0 and scene["rays"] > 32 * 32, scene
+                    if name != "offset and exclusion":
+                        assert abs(scene["rays_without"] / scene["rays"] - 1) < 0.05, scene
+            for name in ("watertight edge test", "compensated spheres near the eye", "compensated spheres far away",
+                         "start offset by its error bound", "offset and exclusion", "Snell's law with twice the digits",
+                         "solids of glass in one another"):
+                assert any(f["without"] > 10 * f["with"] for f in switches[name]["failures"]), switches[name]

@@ -95,7 +95,7 @@ class Report(InFolder):
 
     def test_what_is_told_does_not_end_a_report(self):
         # So long that progress is told.
-        options = ["--width", "64", "--max-samples", "4", "--repeats", "2", "-o", self.folder / "out"]
+        options = ["--width", "64", "--max-samples", "4", "--repeats", "2", "--no-cut-offs", "-o", self.folder / "out"]
         with open("/dev/full", "w") as full:
             command = [str(PROGRAM), "report", ROOT / "scenes/spheres.json", *options]
             done = subprocess.run(command, stdout=full, stderr=full)

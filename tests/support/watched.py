@@ -136,9 +136,14 @@ class Watched:
     def worker(self):
         """The child that renders. The other one, while it lives, is the reference's: it is younger as long as no
         renderer has died, and stands still while anything else works."""
-        active = lambda: [child for child in children_of(self.process.pid) if state_of(child) in ("R", "S", "D")]
-        self.test.assertTrue(wait_until(active), self)
-        return active()[0]
+        active = []  # once looked at: in the next moment it may have died
+
+        def is_active():
+            active[:] = (child for child in children_of(self.process.pid) if state_of(child) in ("R", "S", "D"))
+            return active
+
+        self.test.assertTrue(wait_until(is_active), self)
+        return active[0]
 
     def wait_for_work(self, act, threads=1, seconds=0.3):
         """Acts, then waits until so many of the renderer's threads have worked so long at it, beside the first thread,
