@@ -60,7 +60,8 @@ TEST(Render, DoesNotDependOnWhereItIsInterrupted) {
     RenderSettings settings = settingsOf(scene, 64, 64);
     settings.crop = {24, 24, 48, 48};
     const Image expected = renderShader(scene, settings);
-    for (const uint32_t budget : {1u, kLeastBudget + 1, 23u, 50u, 300u})
+    // The least one is taken for 1.
+    for (const uint32_t budget : {1u, kLeastBudget + 1, 300u})
       EXPECT_TRUE(sameBits(renderShader(scene, settings, {.budget = budget}), expected))
           << name << " in pieces of " << budget << " iterations";
   }
