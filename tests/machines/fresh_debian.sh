@@ -21,6 +21,8 @@ if [ ! -e "$folder/etc/debian_version" ]; then
     "${DEBIAN_MIRROR:-http://deb.debian.org/debian}"
 fi
 cp /etc/resolv.conf "$folder/etc/resolv.conf"
+# As an installer leaves it; the browser of the tests is asked at localhost.
+[ -e "$folder/etc/hosts" ] || echo "127.0.0.1 localhost" >"$folder/etc/hosts"
 chroot "$folder" dpkg-query -W git sudo >/dev/null 2>&1 || chroot "$folder" apt-get install -y git sudo
 if [ "$who" = user ]; then
   chroot "$folder" id tester >/dev/null 2>&1 || chroot "$folder" useradd --create-home tester
