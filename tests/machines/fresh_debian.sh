@@ -35,13 +35,16 @@ rm -rf "$folder$home/turner" "$folder/demo"
 git clone --quiet "$checkout" "$folder$home/turner"
 [ "$who" = root ] || chroot "$folder" chown -R tester "$home/turner"
 
+# As words of a shell, whatever is in them.
+words=
+for word; do words="$words '$(printf %s "$word" | sed "s/'/'\\\\''/g")'"; done
 cat >"$folder/run-here" <<END
 set -eu
 cd $home/turner
 export CXXFLAGS="${CXXFLAGS-}"
 . /etc/os-release; echo "\$PRETTY_NAME, \$(id -un), \$(git log -1 --format='%h %s')"
 cmake/demo.sh
-[ $what = demo ] || tests/run.sh $*
+[ $what = demo ] || tests/run.sh $words
 END
 # The mounts end with their namespace.
 unshare --mount sh -euc '
