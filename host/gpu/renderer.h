@@ -22,7 +22,7 @@ struct Visits {
 
 struct ShaderPicture {
   Image image;
-  double compileSeconds = 0;   // pipeline and one warm-up dispatch: drivers compile there
+  double compileSeconds = 0;   // pipeline and one empty dispatch: drivers compile there
   double traceSeconds = 0;     // of the dispatches, by the device's clock
   double readbackSeconds = 0;  // from the device into the image
 };

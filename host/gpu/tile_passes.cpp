@@ -178,15 +178,13 @@ const Pipeline& TilePasses::resumedPipeline() {
   return *resumed_;
 }
 
-// Drivers compile at the first dispatch: give them one in which no pixel is inside the tile.
+// Drivers compile at the first dispatch: give them one of no work-groups, in which nothing of the kernel runs, so that
+// a loop without end is no slow compiler.
 void TilePasses::warmUp(const Pipeline& pipeline) {
-  gpu::Tile nothing{};
-  nothing.width = 8;  // a row of blocks, of no height
-  nothing.slots = 1;
-  nothing.groups = 1;
   device_.run([&](const vk::raii::CommandBuffer& commands) {
     fullBarrier(commands);
-    record(commands, pipeline, nothing);
+    prepare(commands, pipeline, {});
+    commands.dispatch(0, 1, 1);
     fullBarrier(commands);
   });
 }
@@ -208,12 +206,17 @@ void TilePasses::run(const Progress& progress, const std::function<void(const gp
   }
 }
 
-// The work-groups of one dispatch, wrapped into rows where a device takes only so many side by side.
-void TilePasses::record(const vk::raii::CommandBuffer& commands, const Pipeline& pipeline,
-                        const gpu::Tile& tile) const {
+void TilePasses::prepare(const vk::raii::CommandBuffer& commands, const Pipeline& pipeline,
+                         const gpu::Tile& tile) const {
   commands.bindPipeline(vk::PipelineBindPoint::eCompute, *pipeline.pipeline);
   commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *pipeline.layout, 0, **set_, {});
   commands.pushConstants<gpu::Tile>(*pipeline.layout, vk::ShaderStageFlagBits::eCompute, 0, tile);
+}
+
+// The work-groups of one dispatch, wrapped into rows where a device takes only so many side by side.
+void TilePasses::record(const vk::raii::CommandBuffer& commands, const Pipeline& pipeline,
+                        const gpu::Tile& tile) const {
+  prepare(commands, pipeline, tile);
   const uint across = std::min(tile.groups, device_.limits().maxComputeWorkGroupCount[0]);
   commands.dispatch(across, (tile.groups + across - 1) / across, 1);
 }

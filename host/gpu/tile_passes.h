@@ -51,6 +51,7 @@ class TilePasses {
   const Pipeline& resumedPipeline();
   void warmUp(const Pipeline& pipeline);
   void traceTile(gpu::Tile tile, const Progress& progress);
+  void prepare(const vk::raii::CommandBuffer& commands, const Pipeline& pipeline, const gpu::Tile& tile) const;
   void record(const vk::raii::CommandBuffer& commands, const Pipeline& pipeline, const gpu::Tile& tile) const;
   gpu::Status readStatus() const;
   void readPixels(const gpu::Tile& tile) const;
