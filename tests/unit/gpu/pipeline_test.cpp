@@ -19,18 +19,18 @@ TEST(KeptPipelines, AreTheLatestOnes) {
   const Device device{chooseDevice(listDevices(), test::wantedDevice())};
   const Spirv kernel = test::compileKernel(BufferAccess::storageBuffer);
   KeptPipelines pipelines;
-  const auto withDepth = [&](int depth, size_t most) {
+  const auto withDepth = [&](int depth) {
     RenderSettings other = settings;
     other.depth = depth;
     const Constants constants = specialise(features, other, 64, kLeastBudget, false, true, false);
-    return pipelines.find(device, kernel, constants, BufferAccess::storageBuffer, most);
+    return pipelines.find(device, kernel, constants, BufferAccess::storageBuffer, 2);
   };
-  const std::weak_ptr<const Pipeline> first = withDepth(1, 2), second = withDepth(2, 2);
-  EXPECT_EQ(withDepth(1, 2), first.lock());
-  const std::weak_ptr<const Pipeline> third = withDepth(3, 2);
+  const std::weak_ptr<const Pipeline> first = withDepth(1), second = withDepth(2);
+  EXPECT_EQ(withDepth(1), first.lock());
+  const std::weak_ptr<const Pipeline> third = withDepth(3);
   EXPECT_TRUE(second.expired()) << "it was used before the others";
-  EXPECT_EQ(withDepth(1, 2), first.lock());
-  EXPECT_EQ(withDepth(3, 2), third.lock());
+  EXPECT_EQ(withDepth(1), first.lock());
+  EXPECT_EQ(withDepth(3), third.lock());
 }
 
 }  // namespace
