@@ -2,7 +2,7 @@
 
 // An interface that is hidden in other glass is not seen: the ray goes straight on.
 void passHiddenInterface(const Surface surface, const Crossing crossing) {
-  ray = leaveSurface(surface, hitPrimitive, ray.direction, false);
+  currentRay = leaveSurface(surface, hitPrimitive, currentRay.direction, false);
   media = crossing.beyond;
   ++hiddenInterfaces;
   traversal = startAtRoot();

@@ -113,6 +113,11 @@ struct Frame {
   float minWeight;  // rays of less are not spawned
   vec3 downLo;
   uint threads;  // of a CPU device, which get contiguous shares of a dispatch; 1 elsewhere
+  // Of the scene's coordinates: local = (world - worldEye) * worldScale, a power of two (world.glsl).
+  vec3 worldEyeHi;
+  float worldScale;
+  vec3 worldEyeLo;
+  uint padding;
   vec3 background;
   uint canaryLength;   // kCanaryLength, where no compiler knows it
   uvec4 media;         // that the eye is in (nested_dielectrics.glsl)
@@ -130,12 +135,14 @@ struct Tile {
   uint stride;         // pixels from one of the tile's to the next, across and down: 1, or more for a coarse picture
 };
 
-// What the host reads after a dispatch.
+// What the host reads after a dispatch; words of 16 bytes.
 struct Status {
   uint unfinished;      // invocations that have work left
   uint limiter;         // invocations whose canary loop was cut: a driver's loop limiter fired
   uint samplesWaiting;  // samples that they have not yet finished
   uint mediaLost;  // invocations with a ray that was in more than kMaxMedia media, or passed too many hidden interfaces
+  uint lacks;      // of an edited kernel: bit kSpec<Name> where it needs more of a constant than it has (edited.glsl)
+  uint padding0, padding1, padding2;
 };
 
 // --- the invocations' state (resume.glsl) ---------------------------------------------------------------------------
@@ -157,9 +164,9 @@ inline constexpr uint stateWords(uint depth, bool nestedDielectrics) {
   return kStateRayStack + (nestedDielectrics ? 3 : 2) * (depth - 1);
 }
 static_assert(sizeof(Word4) == 16);
-static_assert(sizeof(Frame) == 224);
+static_assert(sizeof(Frame) == 256);
 static_assert(sizeof(Tile) == 32);
-static_assert(sizeof(Status) == 16);
+static_assert(sizeof(Status) == 32);
 }  // namespace turner::gpu
 #endif
 #undef TURNER_CONST

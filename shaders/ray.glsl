@@ -9,6 +9,9 @@ struct Ray {
   uint originPrimitive;  // the primitive it starts on, with kStartsInward; kRefNone for an eye ray
 };
 
+// A ray from anywhere. From a surface take rayToward() or another of rays.glsl: they know how far off it a ray must start.
+Ray ray(const vec3 origin, const vec3 direction) { return Ray(origin, direction, kRefNone); }
+
 bool startsOn(const Ray ray, const uint primitive) { return (ray.originPrimitive & ~kStartsInward) == primitive; }
 
 bool startsInward(const Ray ray) { return (ray.originPrimitive & kStartsInward) != 0u; }

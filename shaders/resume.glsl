@@ -15,7 +15,7 @@ uint phase;             // the path state
 uint sampleIndex;       // the sample of the pixel that is being traced
 vec3 sum;               // of the radiance of all samples so far
 vec3 compensation;      // what sum has lost to rounding
-Ray ray;                // the eye or secondary ray in hand
+Ray currentRay;                // the eye or secondary ray in hand
 uint rayKind;           // kEye, kReflected or kRefracted
 float weight;           // product of the r and t factors on its way
 uint level;             // of it in the ray tree; the eye ray has 1
@@ -43,8 +43,8 @@ uint packedLevel;  // rayKind | level << 8 | top of the node stack << 16
 #define TURNER_STATE(KEEP)                                                                                     \
   KEEP(0u, sum.x, sum.y, sum.z, packedLevel)                                                                   \
   KEEP(1u, compensation.x, compensation.y, compensation.z, sampleIndex)                                        \
-  KEEP(2u, ray.origin.x, ray.origin.y, ray.origin.z, ray.originPrimitive)                                      \
-  KEEP(3u, ray.direction.x, ray.direction.y, ray.direction.z, weight)                                          \
+  KEEP(2u, currentRay.origin.x, currentRay.origin.y, currentRay.origin.z, currentRay.originPrimitive)                                      \
+  KEEP(3u, currentRay.direction.x, currentRay.direction.y, currentRay.direction.z, weight)                                          \
   KEEP(4u, hitT, hitPrimitive, lightIndex, traversal.list.firstPair)                                           \
   KEEP(5u, traversal.next, traversal.tMax, traversal.hit, traversal.rank)                                      \
   KEEP(6u, traversal.list.first, traversal.list.end, pending.x, pending.y)
@@ -83,7 +83,7 @@ void beginWork() {
   sampleIndex = 0u;
   sum = vec3(0);
   compensation = vec3(0);
-  ray = Ray(vec3(0), vec3(0, 0, 1), kRefNone);
+  currentRay = Ray(vec3(0), vec3(0, 0, 1), kRefNone);
   rayKind = 0u;
   weight = 0.0;
   level = 0u;
@@ -99,13 +99,12 @@ void beginWork() {
 
 // Begins a sample with its eye ray.
 void beginSample() {
-  ray = Ray(vec3(0), eyeDirection(pixel, sampleIndex), kRefNone);
+  currentRay = Ray(vec3(0), eyeDirection(pixel, sampleIndex), kRefNone);
   rayKind = kEye;
   weight = 1.0;
   level = 1u;
   if (NESTED_DIELECTRICS) media = frame.media, hiddenInterfaces = 0u;
-  RayFactors factors = rayFactors(ray.direction);
-  traversal = startInCellList(cellList(kEyeBuffer, directionFace(ray.direction, factors.axis), factors.shear.xy), kNoHit);
+  traversal = startEyeRay(currentRay, rayFactors(currentRay.direction));
   phase = kTrace;
   if (COUNTERS) ++raysSpawned[kEye];
 }
@@ -138,6 +137,21 @@ void saveCounts() {
   state[stateAt(kStatePrimitives)] = primitivesVisited;
 }
 
+#ifdef EDITED
+// Whether a dispatch has left the work as it was: it will never come further, as where an edit returns before it moves on.
+#define TURNER_COMPARE(word, a, b, c, d) \
+  same = same && state[stateAt(word)] == Word4(toWord(a), toWord(b), toWord(c), toWord(d));
+bool isAsKept() {
+  bool same = !FRESH && pixels[pixelAt].w == phase;
+  packedLevel = rayKind | (level << 8u) | (traversal.top << 16u);
+  TURNER_STATE(TURNER_COMPARE)
+  if (NESTED_DIELECTRICS) {
+    TURNER_STATE_OF_MEDIA(TURNER_COMPARE)
+  }
+  return same;
+}
+#endif
+
 // Suspends work that is not done; tells the host.
 void suspendWork() {
   packedLevel = rayKind | (level << 8u) | (traversal.top << 16u);
@@ -166,6 +180,12 @@ const uint kRayWords = NESTED_DIELECTRICS ? 3u : 2u;
 
 // A ray of the next level waits.
 void pushRay(const Ray waiting, const float itsWeight, const uvec4 itsMedia) {
+  LACKS(Refraction, !REFRACTION);
+#ifdef EDITED
+  // The state has no row for it.
+  LACKS(Depth, level >= DEPTH);
+  if (level >= DEPTH) return;
+#endif
   uint word = kStateRayStack + kRayWords * (level - 1u);
   state[stateAt(word)] = packWord(waiting.origin, waiting.originPrimitive);
   state[stateAt(word + 1u)] = packWord(waiting.direction, floatBitsToUint(itsWeight));
@@ -179,7 +199,7 @@ void popRay() {
   pending &= ~levelBit(level);
   uint word = kStateRayStack + kRayWords * (level - 2u);
   Word4 origin = state[stateAt(word)], direction = state[stateAt(word + 1u)];
-  ray = Ray(xyz(origin), xyz(direction), origin.w);
+  currentRay = Ray(xyz(origin), xyz(direction), origin.w);
   weight = uintBitsToFloat(direction.w);
   if (NESTED_DIELECTRICS) media = state[stateAt(word + 2u)];
   hiddenInterfaces = 0u;

@@ -28,6 +28,7 @@ bool facesLight(const Surface surface, const Light light) {
 
 // Whether a surface sends nothing of any light toward the eye by itself.
 bool reflectsNoLight(const Material material) {
+  LACKS(Highlights, !HIGHLIGHTS && material.localWeight * largest(material.specular) > 0.0);
   vec3 most = max(material.diffuse, HIGHLIGHTS ? material.specular : vec3(0));
   return material.localWeight * largest(most) <= 0.0;
 }
@@ -35,6 +36,8 @@ bool reflectsNoLight(const Material material) {
 // E (k_d + k_s max(0, N.H)^n) N.L of one light that is not in shadow.
 vec3 lightReflected(const Surface surface, const vec3 V, const Light light, const Material material) {
   vec3 toward = light.position - surface.point, E = light.color;
+  LACKS(Highlights, !HIGHLIGHTS && material.localWeight * largest(material.specular) > 0.0);
+  LACKS(Falloff, !FALLOFF && light.falloff != 0u);
   // Scaled first: the square of a distance of 1e-23 would be 0.
   vec3 L = toward / largest(abs(toward));
   L /= sqrt(dot(L, L));

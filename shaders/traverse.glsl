@@ -26,11 +26,61 @@ TraversalState startAt(const uint next, const float tMax, const FineCell list) {
   return TraversalState(next, 0u, tMax, kRefNone, 0u, list, 0.0, 0.0, 0.0, uvec4(0u));
 }
 
+// How far a shadow ray reaches. Its end is open: what stands exactly at the light does not block it.
+const float kToLight = 1.0 - 1.0 / 1048576.0;
+
+#ifndef EDITED
 // A ray from anywhere traverses the whole tree.
 TraversalState startAtRoot() { return startAt(frame.root, kNoHit, kNoList); }
 
 // A ray through the eye or a light begins with the cell list of its direction.
 TraversalState startInCellList(const FineCell list, const float tMax) { return startAt(kRefNext, tMax, list); }
+
+// An eye ray; what it says of its start is true.
+TraversalState startEyeRay(const Ray ray, const RayFactors factors) {
+  return startInCellList(cellList(kEyeBuffer, directionFace(ray.direction, factors.axis), factors.shear.xy), kNoHit);
+}
+
+// A ray that ends at a light. Seen from there it comes through the opposite face.
+TraversalState startShadowRay(const Ray ray, const RayFactors factors, const uint light) {
+  uint face = directionFace(-ray.direction, factors.axis);
+  return startInCellList(cellList(kEyeBuffer + 1u + light, face, factors.shear.xy), kToLight);
+}
+#else
+// Whoever edits may move or turn a ray until its traversal begins: only then is it known whether a list is made for it. Until
+// then the state says which light buffer might have one.
+const uint kRefBegin = 0xfffffffdu;  // as traversal.next: begin with checkedStart()
+const uint kNoBuffer = kRefNone;
+
+TraversalState startLater(const uint lightBuffer, const float tMax) {
+  return startAt(kRefBegin, tMax, FineCell(lightBuffer, 0u, 0u, 0u));
+}
+TraversalState startAtRoot() { return startLater(kNoBuffer, kNoHit); }
+TraversalState startInCellList(const FineCell list, const float tMax) { return startLater(kNoBuffer, tMax); }
+TraversalState startEyeRay(const Ray ray, const RayFactors factors) { return startLater(kEyeBuffer, kNoHit); }
+TraversalState startShadowRay(const Ray ray, const RayFactors factors, const uint light) {
+  return startLater(kEyeBuffer + 1u + light, kToLight);
+}
+
+// The beginning of a traversal: the list of its light buffer, if the ray is one of those that the list is made for, else the
+// tree. Lists of lights are sorted from the light on, so that they are for rays that look for any hit.
+TraversalState checkedStart(const Ray ray, const RayFactors factors, const bool anyHit, const bool visitsNodes,
+                            const TraversalState asked) {
+  uint lightBuffer = asked.list.first;
+  bool isEyeRay = !anyHit && lightBuffer == kEyeBuffer && ray.origin == vec3(0) && isThroughPixel(ray.direction);
+  bool isToLight = anyHit && asked.tMax <= 1.0 && lightBuffer - kEyeBuffer - 1u < LIGHTS &&
+                   endsAt(ray, min(lightBuffer - kEyeBuffer - 1u, LIGHTS - 1u));
+  FineCell list = cellList(isToLight ? lightBuffer : kEyeBuffer,
+                           directionFace(isToLight ? -ray.direction : ray.direction, factors.axis), factors.shear.xy);
+  bool needsTree = !isEyeRay && !isToLight;
+  LACKS(NearestNodes, needsTree && !anyHit && !visitsNodes);
+  LACKS(ShadowNodes, needsTree && anyHit && !visitsNodes);
+  // Where the tree is compiled out, nothing: the picture will be traced anew.
+  uint first = !needsTree ? kRefNext : visitsNodes ? frame.root : kRefNone;
+  if (needsTree) list = kNoList;
+  return startAt(first, asked.tMax, list);
+}
+#endif
 
 // Whether the first pass has found a nearest hit on an interface, and the second is still to come.
 bool lacksCoincident(const TraversalState traversal) {
@@ -60,6 +110,15 @@ void popNode(inout TraversalState traversal) {
 // The next entry of the list. Entries are sorted: behind what is beyond the limit everything is.
 void takeEntry(inout TraversalState traversal, const float limit) {
   ListEntry entry = listEntryAt(traversal.list.first);
+#ifdef EDITED
+  // A kernel whose scene needs no nodes for such rays may have got them: its lists are sorted type by type.
+  uint nextType = traversal.list.first < traversal.list.firstPair ? traversal.list.firstPair : traversal.list.end;
+  if (CONES && traversal.list.first < traversal.list.firstCone) nextType = traversal.list.firstCone;
+  if (traversal.list.first < traversal.list.end && entry.distance > limit && nextType < traversal.list.end) {
+    traversal.list.first = nextType;
+    return;
+  }
+#endif
   traversal.next = traversal.list.first < traversal.list.end && entry.distance <= limit ? entry.reference : kRefNone;
   ++traversal.list.first;
 }
@@ -228,10 +287,15 @@ void traverseCellList(const Ray ray, const RayFactors factors, const bool anyHit
 
 // Goes on until the traversal is finished or the budget of iterations is spent. An `anyHit` traversal ends at its first
 // hit. `reach` = abs(direction along the face axis); list entries are sorted by depth along that axis, t * reach.
-void traverse(const Ray ray, const RayFactors factors, const bool anyHit, const bool visitsNodes, const uint kind,
+void traverse(const Ray given, const RayFactors factors, const bool anyHit, const bool visitsNodes, const uint kind,
               float reach, inout TraversalState traversal, inout int budget) {
   // The kernel's rounding is less than this.
   reach *= 1.0 + 1.0 / 262144.0;
+  Ray ray = given;
+#ifdef EDITED
+  if (anyHit) ray = trueStart(given);
+  if (traversal.next == kRefBegin) traversal = checkedStart(ray, factors, anyHit, visitsNodes, traversal);
+#endif
   if (visitsNodes)
     traverseTree(ray, factors, anyHit, kind, reach, traversal, budget);
   else

@@ -19,6 +19,7 @@ Frame frame;
 const uint kEye = 0u, kReflected = 1u, kRefracted = 2u, kShadow = 3u;
 uvec4 raysSpawned, nodesVisited, primitivesVisited;
 
+#include "edited.glsl"
 #include "buffer_access.glsl"
 #include "scene.h"
 #include "float_float.glsl"
@@ -28,16 +29,19 @@ uvec4 raysSpawned, nodesVisited, primitivesVisited;
 #include "ray.glsl"
 #include "primitives.glsl"
 #include "light_buffer.glsl"
+#include "tiles.glsl"
+#include "edited_rays.glsl"
 #include "traverse.glsl"
 #include "shade.glsl"
-#include "tiles.glsl"
 #include "resume.glsl"
+#include "rays.glsl"
+#include "world.glsl"
 #include "hidden_interfaces.glsl"
 #include "canary.glsl"
 
 // The nearest hit of the ray in hand, or as much of the way there as the budget allows.
 void findNearestHit(const RayFactors factors, inout int budget) {
-  traverse(ray, factors, false, NEAREST_NODES, rayKind, abs(along(ray.direction, factors.axis)), traversal, budget);
+  traverse(currentRay, factors, false, NEAREST_NODES, rayKind, abs(along(currentRay.direction, factors.axis)), traversal, budget);
   if (!isFinished(traversal)) return;
   if (lacksCoincident(traversal)) {
     traversal = startCoincident(traversal);
@@ -62,10 +66,7 @@ void addLight(const Surface surface, const Material material, inout int budget) 
   RayFactors factors = rayFactors(shadowRay.direction);
   bool faces = facesLight(surface, light);
   if (phase == kNextLight && faces) {
-    // Seen from the light, the ray comes through the opposite face. The light's own end is open: what stands exactly at
-    // the light does not block it.
-    uint face = directionFace(-shadowRay.direction, factors.axis);
-    traversal = startInCellList(cellList(kEyeBuffer + 1u + lightIndex, face, factors.shear.xy), 1.0 - 1.0 / 1048576.0);
+    traversal = startShadowRay(shadowRay, factors, lightIndex);
     phase = kTraceShadow;
     if (COUNTERS) ++raysSpawned[kShadow];
   }
@@ -75,7 +76,7 @@ void addLight(const Surface surface, const Material material, inout int budget) 
   if (phase == kNextLight || isFinished(traversal)) {
     if (phase == kTraceShadow && traversal.hit == kRefNone)
       compensatedAdd(sum, compensation,
-                     weight * material.localWeight * lightReflected(surface, -ray.direction, light, material));
+                     weight * material.localWeight * lightReflected(surface, -currentRay.direction, light, material));
     ++lightIndex;
     phase = kNextLight;
   }
@@ -86,12 +87,14 @@ void spawnRays(const Surface surface, const Material material, const Crossing cr
   phase = kNextRay;
   float r = material.reflectance, t = material.transmittance;
   vec3 T = vec3(0);
-  bool passes = REFRACTION && t > 0.0 && transmission(surface, ray.direction, crossing.etaRatio, T);
+  bool passes = REFRACTION && t > 0.0 && transmission(surface, currentRay.direction, crossing.etaRatio, T);
   // On total internal reflection the share of T goes to R.
   if (!passes) r += REFRACTION ? t : 0.0;
   float reflectedWeight = weight * r, transmittedWeight = weight * t;
   // A share of 0 spawns nothing. The factors tell: far down the tree the product may underflow.
   bool deeper = level < DEPTH;
+  LACKS(Reflection, !(REFLECTION || REFRACTION) && deeper && r > 0.0 && reflectedWeight >= frame.minWeight);
+  LACKS(Refraction, !REFRACTION && deeper && t > 0.0);
   bool reflects = (REFLECTION || REFRACTION) && deeper && r > 0.0 && reflectedWeight >= frame.minWeight;
   bool transmits = REFRACTION && deeper && passes && transmittedWeight >= frame.minWeight;
   if (COUNTERS && reflects) ++raysSpawned[kReflected];
@@ -100,11 +103,11 @@ void spawnRays(const Surface surface, const Material material, const Crossing cr
   Ray through = leaveSurface(surface, hitPrimitive, T, false);
   if (reflects) {
     if (transmits) pushRay(through, transmittedWeight, crossing.beyond);
-    ray = leaveSurface(surface, hitPrimitive, reflection(surface, ray.direction), true);
+    currentRay = leaveSurface(surface, hitPrimitive, reflection(surface, currentRay.direction), true);
     rayKind = kReflected;
     weight = reflectedWeight;
   } else if (transmits) {
-    ray = through;
+    currentRay = through;
     rayKind = kRefracted;
     weight = transmittedWeight;
     if (NESTED_DIELECTRICS) media = crossing.beyond;
@@ -122,12 +125,16 @@ void followRay(inout int budget) {
   // Cost of this iteration: one turn, plus the empty turns of the loops below (see idleTurns).
   budget -= 2 + idleTurns(NEAREST_NODES) + idleTurns(SHADOW_NODES) + (NESTED_DIELECTRICS ? int(2u * kMaxInterfaces) : 0);
   if (SAMPLES > 1u && phase == kNextSample) beginSample();
+#ifdef EDITED
+  currentRay = trueStart(currentRay);
+#endif
 
-  RayFactors factors = rayFactors(ray.direction);
+  RayFactors factors = rayFactors(currentRay.direction);
   if (phase == kTrace) findNearestHit(factors, budget);
 
   if (phase == kNextLight || phase == kTraceShadow) {
-    Surface surface = surfaceAt(ray, factors, hitT, hitPrimitive);
+    Surface surface = surfaceAt(currentRay, factors, hitT, hitPrimitive);
+    here = surface;
     Material material = materialAt(surface.material);
     Crossing crossing = Crossing(uvec4(0u), false, vec2(1, 0));
     if (NESTED_DIELECTRICS) {
@@ -188,8 +195,10 @@ void main() {
   if (COUNTERS && hasSlot && (FRESH || !finishedBefore)) saveCounts();
   if (NESTED_DIELECTRICS && mediaLost) atomicAdd(status.mediaLost, 1u);
   if (!finishedBefore) {
+    LACKS(Budget, phase != kDone && isAsKept());
     pixels[pixelAt] = packWord(sum / float(SAMPLES * SAMPLES), phase);
     if (phase != kDone) suspendWork();
   }
+  TELL_LACKS();
   singCanary();
 }

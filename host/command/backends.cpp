@@ -36,7 +36,7 @@ double sampleCount(const RenderSettings& settings) {
 UploadedScene::UploadedScene(Scene scene, const RenderSettings& settings, const RenderOptions& options)
     : quiet_(options.quiet),
       session_(chooseDeviceFor(options.device), options.access,
-               {.tile = options.tile, .workGroup = options.workGroup}) {
+               {.tile = options.tile, .workGroup = options.workGroup, .narrow = options.narrow}) {
   session_.prepare(std::move(scene), settings);
   const DeviceInfo& device = session_.device();
   if (!quiet_) {
@@ -44,15 +44,25 @@ UploadedScene::UploadedScene(Scene scene, const RenderSettings& settings, const 
          accessName(session_.access()));
   }
   throwIfInterrupted();
-  kernel_ = session_.compile(shaderFolder(options.shaders) + "/whitted.comp");
+  kernel_ = session_.compile(readShaderSources(shaderFolder(options.shaders) + "/whitted.comp"), KernelForm::asNeeded);
   throwIfInterrupted();
   session_.upload();
+  session_.addFeaturesOf(kernel_);
   if (!quiet_ && !session_.note().empty()) tell("{}\n", session_.note());
 }
 
 Image UploadedScene::render(const RenderSettings& settings, const char* what) {
   ProgressLine progress(what, sampleCount(settings), quiet_);
-  return session_.render(kernel_, settings, std::ref(progress)).image;
+  Image image = session_.render(kernel_, settings, std::ref(progress)).image;
+  tellFeatures(settings);
+  return image;
+}
+
+// Once: what an edited kernel has.
+void UploadedScene::tellFeatures(const RenderSettings& settings) {
+  if (!kernel_.edited || quiet_ || std::exchange(toldFeatures_, true)) return;
+  for (const std::string& line : featureLines(session_.addedFeatures(), session_.features(), settings))
+    tell("{}\n", line);
 }
 
 void UploadedScene::countRays(const RenderSettings& settings) {
@@ -66,6 +76,8 @@ Stats UploadedScene::stats() const {
   stats.geometry = "rounded";  // the kernel has no other
   stats.device = session_.device();
   stats.access = accessName(session_.access());
+  stats.editedKernel = kernel_.edited;
+  stats.addedFeatures = featureNames(session_.addedFeatures());
   const StepSeconds& seconds = session_.seconds();
   stats.seconds.build = seconds.build;
   stats.seconds.compile = seconds.compile;

@@ -35,10 +35,13 @@ class UploadedScene {
   const std::vector<std::string>& sourceFiles() const { return kernel_.files; }
 
  private:
+  void tellFeatures(const RenderSettings& settings);
+
   bool quiet_;
   RenderSession session_;
-  Spirv kernel_;
+  Kernel kernel_;
   Visits visits_;
+  bool toldFeatures_ = false;
 };
 
 // Counts rays if the options ask for figures. Throws InputError if one of the files that will be written is a source of

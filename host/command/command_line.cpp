@@ -126,6 +126,10 @@ void addRenderOptions(CLI::App& command, RenderOptions& options) {
           "Vulkan device: index, or part of its name (default: $TURNER_DEVICE, else the best one)");
   addText(command, "--crop", options.crop, "x0,y0,x1,y1", "Render only the pixels x0 <= x < x1, y0 <= y < y1");
   addText(command, "--shaders", options.shaders, "DIR", "Folder of the kernel's sources (default: turner's own)");
+  command.add_flag(
+      "--narrow", options.narrow,
+      "Compile an edited kernel for what the scene needs alone, and refuse it if it needs more: to measure what "
+      "that costs");
   command.add_flag("--quiet", options.quiet, "Print nothing but errors");
   addChoice<BufferAccess>(
       command, "--fetch", options.access,

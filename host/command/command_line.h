@@ -30,6 +30,7 @@ struct RenderOptions {
   std::string device, crop, shaders, stats;
   bool quiet = false;
   BufferAccess access = BufferAccess::automatic;  // how the kernel fetches the scene; never changes the picture
+  bool narrow = false;                            // an edited kernel gets no more than the scene needs
   int tile = 0;                                   // how the work is cut; never changes the picture
   int workGroup = 64;
 };

@@ -30,6 +30,12 @@ std::string statsJson(const Stats& stats) {
       json.put("fetch", stats.access);
       json.put("crop", cropText(settings.crop));
     });
+    json.object("kernel", [&] {
+      json.put("edited", stats.editedKernel);
+      json.array("added", [&] {
+        for (const std::string& name : stats.addedFeatures) json.put(name);
+      });
+    });
     json.object("primitives", [&] {
       for (const PrimitiveCount& type : stats.primitives) json.put(type.name.c_str(), type.count);
     });

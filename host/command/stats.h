@@ -25,6 +25,8 @@ struct Stats {
   RenderSettings settings;
   std::string backend, geometry, access;
   PrimitiveCounts primitives;
+  bool editedKernel = false;
+  std::vector<std::string> addedFeatures;  // of an edited kernel, beyond what the scene needs
   RayCounts rays;
   Visits visits;  // of the shader: what its rays met
   Seconds seconds;

@@ -17,6 +17,7 @@ struct Dispatching {
   // Iterations of an invocation's loops in one dispatch, at least kLeastBudget; 0: what the device bears, see layout.h.
   // Tests set others.
   uint32_t budget = 0;
+  bool narrow = false;       // an edited kernel has what the scene needs, and is refused if it needs more
   bool loopsAtHead = false;  // the kernel's loops end at their head, also where the device does not need it (tests)
   // Most pipelines that are kept for later renders: of the kernel in hand and of one to compare it with, each to begin
   // and to take up work, and those that count. Who renders many settings in turn keeps more.
@@ -38,6 +39,11 @@ struct UntrueKernel : RunError {
 struct LoopsCut : UntrueKernel {
   uint32_t count;  // Status::limiter of layout.h
   LoopsCut(const std::string& what, uint32_t limiter) : UntrueKernel(what), count(limiter) {}
+};
+// An edited kernel lacks what was not compiled in, see Status::lacks of layout.h.
+struct FeaturesLacking : RunError {
+  uint32_t lacks;
+  explicit FeaturesLacking(uint32_t lacking) : RunError("the kernel lacks what it needs"), lacks(lacking) {}
 };
 // The kernel has ended without finishing its pixels.
 struct PixelsMissing : UntrueKernel {

@@ -61,6 +61,9 @@ gpu::Frame packFrame(const View& view, const RenderSettings& settings, uint32_t 
   frame.rightLo = toVec3Rest(perRight);
   frame.downHi = toVec3(perDown);
   frame.downLo = toVec3Rest(perDown);
+  frame.worldEyeHi = toVec3(view.frame.origin);
+  frame.worldEyeLo = toVec3Rest(view.frame.origin);
+  frame.worldScale = float(view.frame.scale);
   frame.background = toVec3(view.background);
   frame.media = view.media;
   frame.root = view.root;

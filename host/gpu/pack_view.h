@@ -9,13 +9,15 @@
 #include "image/settings.h"
 #include "layout.h"
 #include "primitives/features.h"
+#include "primitives/local_frame.h"
 #include "scene/scene.h"
 
 namespace turner {
 
 // What all rays see.
 struct View {
-  Camera camera;  // in the local frame, its eye the origin
+  Camera camera;     // in the local frame, its eye the origin
+  LocalFrame frame;  // from the scene's coordinates to the kernel's
   glm::dvec3 background{0};
   gpu::uvec4 media{};              // that the eye is in
   gpu::uint root = gpu::kRefNone;  // of the tree

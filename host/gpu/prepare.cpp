@@ -10,10 +10,13 @@
 namespace turner {
 
 PackedScene prepareScene(Scene scene, const RenderSettings& settings) {
+  const LocalFrame frame = localFrame(scene.camera);
   Scene local = roundScene(std::move(scene));
   checkReach(local);
   const PreparedGeometry prepared = prepareGeometry(std::move(local));
-  return packScene(prepared, buildBvh(prepared.boxes, prepared.typeStarts()), settings);
+  PackedScene packed = packScene(prepared, buildBvh(prepared.boxes, prepared.typeStarts()), settings);
+  packed.view.frame = frame;
+  return packed;
 }
 
 }  // namespace turner

@@ -32,6 +32,36 @@ void ShaderRenderer::upload(PackedScene scene) {
   scene_->upload(std::move(scene));
 }
 
+void ShaderRenderer::addFeatures(ConstantSet set) {
+  scene_->features = withFeatures(scene_->features, set);
+}
+
+void ShaderRenderer::setAddedFeatures(ConstantSet set) {
+  scene_->features = withFeatures(scene_->sceneFeatures, set);
+}
+
+ConstantSet ShaderRenderer::addedFeatures() const {
+  return turner::addedFeatures(scene_->sceneFeatures, scene_->features);
+}
+
+const Features& ShaderRenderer::features() const {
+  return scene_->features;
+}
+
+// Again with what an edited kernel has found that it lacks, until it lacks nothing.
+template <class Work>
+auto ShaderRenderer::withAllItNeeds(const RenderSettings& settings, const Dispatching& dispatching, const Work& work) {
+  for (;;) {
+    ConstantSet lacks = 0;
+    try {
+      return work();
+    } catch (const FeaturesLacking& lacking) {
+      lacks = lacking.lacks;
+    }
+    scene_->features = withLacking(scene_->features, lacks, settings, dispatching.narrow);
+  }
+}
+
 ShaderPicture ShaderRenderer::render(const Spirv& kernel, const RenderSettings& settings, const Progress& progress,
                                      const Dispatching& dispatching) {
   return trace(kernel, settings, 1, progress, dispatching);
@@ -56,6 +86,12 @@ ShaderPicture ShaderRenderer::renderCoarse(const Spirv& kernel, const RenderSett
 // The picture that the pixels of a stride make by themselves.
 ShaderPicture ShaderRenderer::trace(const Spirv& kernel, const RenderSettings& settings, int stride,
                                     const Progress& progress, const Dispatching& dispatching) {
+  return withAllItNeeds(settings, dispatching,
+                        [&] { return traceOnce(kernel, settings, stride, progress, dispatching); });
+}
+
+ShaderPicture ShaderRenderer::traceOnce(const Spirv& kernel, const RenderSettings& settings, int stride,
+                                        const Progress& progress, const Dispatching& dispatching) {
   const Window grid = everyStride(settings.crop, stride);
   ShaderPicture picture;
   picture.image =
@@ -80,6 +116,11 @@ ShaderPicture ShaderRenderer::trace(const Spirv& kernel, const RenderSettings& s
 
 Visits ShaderRenderer::countVisits(const Spirv& kernel, const RenderSettings& settings, const Progress& progress,
                                    const Dispatching& dispatching) {
+  return withAllItNeeds(settings, dispatching, [&] { return count(kernel, settings, progress, dispatching); });
+}
+
+Visits ShaderRenderer::count(const Spirv& kernel, const RenderSettings& settings, const Progress& progress,
+                             const Dispatching& dispatching) {
   TilePasses passes(*scene_, kernel, settings, dispatching, 1, true);
   Visits visits;
   RayCounts* const kinds[kCounterWords] = {&visits.rays, &visits.nodes, &visits.primitives};

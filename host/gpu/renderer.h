@@ -6,6 +6,7 @@
 
 #include "gpu/devices.h"
 #include "gpu/dispatching.h"
+#include "gpu/kernel_features.h"
 #include "gpu/pack_scene.h"
 #include "image/settings.h"
 #include "kernel/buffer_access.h"
@@ -42,12 +43,20 @@ class ShaderRenderer {
   // What the user should know of how the device is used, after upload(); mostly empty.
   const std::string& note() const;
 
+  // Has kernels of the uploaded scene compile in more than it needs (gpu/kernel_features.h); an edited kernel that
+  // lacks something is given it on its own. What has been added so far, and all that there is now.
+  void addFeatures(ConstantSet set);
+  void setAddedFeatures(ConstantSet set);
+  ConstantSet addedFeatures() const;
+  const Features& features() const;
+
   // Puts the scene into the device's memory, and frees it part by part. Throws InputError when it does not fit,
   // RunError when the device's pictures would be wrong, and as plan() does.
   void upload(PackedScene scene);
 
   // Renders the uploaded scene. Work is cut into dispatches well below a driver's watchdog; progress is called between
-  // them. Throws LoopsCut if a driver's loop limiter has cut the work short, PixelsMissing if the kernel has.
+  // them. Throws LoopsCut if a driver's loop limiter has cut the work short, PixelsMissing if the kernel has,
+  // InputError if an edited kernel needs what cannot be compiled in.
   ShaderPicture render(const Spirv& kernel, const RenderSettings& settings, const Progress& progress = {},
                        const Dispatching& dispatching = {});
 
@@ -63,6 +72,12 @@ class ShaderRenderer {
  private:
   ShaderPicture trace(const Spirv& kernel, const RenderSettings& settings, int stride, const Progress& progress,
                       const Dispatching& dispatching);
+  ShaderPicture traceOnce(const Spirv& kernel, const RenderSettings& settings, int stride, const Progress& progress,
+                          const Dispatching& dispatching);
+  Visits count(const Spirv& kernel, const RenderSettings& settings, const Progress& progress,
+               const Dispatching& dispatching);
+  template <class Work>
+  auto withAllItNeeds(const RenderSettings& settings, const Dispatching& dispatching, const Work& work);
   std::unique_ptr<SceneOnDevice> scene_;
 };
 

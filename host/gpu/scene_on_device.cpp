@@ -69,7 +69,7 @@ void SceneOnDevice::upload(PackedScene scene) {
     trust = test_.get();
     tested_ = access;
   }
-  features = scene.features;
+  features = sceneFeatures = scene.features;
   view = scene.view;
   const auto uploadWords = [&](uint binding, auto& values, const char* name) {
     Buffer& buffer = rows[binding - gpu::kBindNodes];

@@ -28,9 +28,10 @@ struct SceneOnDevice {
 
   Device device;
   BufferAccess wanted;
-  BufferAccess access;  // how the scene is fetched; never automatic
-  DeviceTrust trust;    // for kernels that fetch so; known after upload()
-  Features features;
+  BufferAccess access;     // how the scene is fetched; never automatic
+  DeviceTrust trust;       // for kernels that fetch so; known after upload()
+  Features sceneFeatures;  // what the scene needs
+  Features features;       // what kernels get: these, and what edited ones need besides
   View view;
   std::array<Buffer, kSceneArrays> rows;  // from gpu::kBindNodes on
   KeptPipelines pipelines;

@@ -26,18 +26,18 @@ void RenderSession::upload() {
   seconds_.upload = watch.lap();
 }
 
-Spirv RenderSession::compile(const std::string& path) {
+Kernel RenderSession::compile(const std::vector<ShaderSource>& sources, KernelForm form) {
   Stopwatch watch;
-  Spirv kernel = compileGlsl(path, accessPreamble(access()));
+  Kernel kernel = compileKernel(sources, access(), form);
   seconds_.compile += watch.lap();
   return kernel;
 }
 
-Spirv RenderSession::compile(const std::vector<ShaderSource>& sources) {
-  Stopwatch watch;
-  Spirv kernel = compileGlsl(sources, accessPreamble(access()));
-  seconds_.compile += watch.lap();
-  return kernel;
+void RenderSession::addFeaturesOf(const Kernel& kernel) {
+  if (dispatching_.narrow) return;
+  ConstantSet set = 0;
+  for (const FeatureUse& use : kernel.uses) set |= ConstantSet(1) << use.constant;
+  renderer_.addFeatures(set);
 }
 
 ShaderPicture RenderSession::render(const Spirv& kernel, const RenderSettings& settings, const Progress& progress) {

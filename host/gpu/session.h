@@ -12,7 +12,7 @@
 #include "gpu/renderer.h"
 #include "image/settings.h"
 #include "kernel/buffer_access.h"
-#include "kernel/compile.h"
+#include "kernel/edited_kernel.h"
 #include "kernel/shader_sources.h"
 #include "scene/scene.h"
 
@@ -53,8 +53,14 @@ class RenderSession {
   void upload();
 
   // A kernel for this device and the prepared scene's buffer access. Throws InputError with the compiler's first error.
-  Spirv compile(const std::string& path);
-  Spirv compile(const std::vector<ShaderSource>& sources);
+  Kernel compile(const std::vector<ShaderSource>& sources, KernelForm form);
+  // Has the kernel's features compiled in, whatever the scene needs; of an uploaded scene.
+  void addFeaturesOf(const Kernel& kernel);
+  // What kernels of the uploaded scene have beyond its needs, and all they have.
+  ConstantSet addedFeatures() const { return renderer_.addedFeatures(); }
+  // Exactly these, for measuring what some of them cost.
+  void setAddedFeatures(ConstantSet set) { renderer_.setAddedFeatures(set); }
+  const Features& features() const { return renderer_.features(); }
 
   // Of the uploaded scene, see ShaderRenderer.
   ShaderPicture render(const Spirv& kernel, const RenderSettings& settings, const Progress& progress);

@@ -253,6 +253,7 @@ void TilePasses::traceTile(gpu::Tile tile, const Progress& progress) {
       if (seconds < kShortDispatch && tile.groups == scene_.groupsPerDispatch)
         scene_.groupsPerDispatch = std::min(scene_.groupsPerDispatch * 2, 1u << 20);
       last = readStatus();
+      if (last.lacks != 0) throw FeaturesLacking(last.lacks);
       if (last.limiter > 0)
         throw LoopsCut(
             "the driver of " + device_.info().name +

@@ -69,14 +69,18 @@ std::vector<ShaderSource> readShaderSources(const std::string& path) {
       // An absolute path would give one and the same name different meanings in different folders.
       if (fs::path(included).is_absolute() || sources.size() == kMostFiles) continue;
       const std::string name = (beside / included).string();
-      const bool known =
-          std::any_of(sources.begin(), sources.end(), [&](const ShaderSource& source) { return source.name == name; });
-      if (known) continue;
+      if (findSource(sources, name)) continue;
       const std::string file = (folder / name).string();
       sources.push_back({name, file, textIfReadable(file)});
     }
   }
   return sources;
+}
+
+const ShaderSource* findSource(const std::vector<ShaderSource>& sources, const std::string& name) {
+  const auto found =
+      std::find_if(sources.begin(), sources.end(), [&](const ShaderSource& source) { return source.name == name; });
+  return found == sources.end() ? nullptr : &*found;
 }
 
 }  // namespace turner

@@ -25,4 +25,7 @@ struct SourceLocation {
 // directive, an absolute path) are not. Throws InputError if the shader itself cannot be read.
 std::vector<ShaderSource> readShaderSources(const std::string& path);
 
+// The one of this name, or null.
+const ShaderSource* findSource(const std::vector<ShaderSource>& sources, const std::string& name);
+
 }  // namespace turner

@@ -60,7 +60,7 @@ class ShaderPictures : public Renderer {
       : scene_(scene),
         session_(device, BufferAccess::automatic, {.keptPipelines = kKeptPipelines}),
         path_(shaders + "/whitted.comp"),
-        kernel_(session_.compile(path_)),
+        kernel_(compile()),
         access_(session_.access()) {
     info.name = shortName(device);
     info.device = device.name;
@@ -79,10 +79,11 @@ class ShaderPictures : public Renderer {
       session_.prepare(scene_, settings);
       // A device may fetch larger arrays in another way, which takes another kernel.
       if (session_.access() != access_) {
-        kernel_ = session_.compile(path_);
+        kernel_ = compile();
         access_ = session_.access();
       }
       session_.upload();
+      session_.addFeaturesOf(kernel_);
       packedSamples_ = settings.samples;
     }
     ShaderPicture picture = session_.render(kernel_, settings, progress);
@@ -91,10 +92,12 @@ class ShaderPictures : public Renderer {
   }
 
  private:
+  Kernel compile() { return session_.compile(readShaderSources(path_), KernelForm::asNeeded); }
+
   Scene scene_;
   RenderSession session_;
   std::string path_;
-  Spirv kernel_;
+  Kernel kernel_;
   BufferAccess access_;
   int packedSamples_ = 0;
 };

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "gpu/kernel_features.h"
 #include "image/figures_json.h"
 
 namespace turner::watch {
@@ -74,6 +75,15 @@ std::string raysLine(const VersionReport& report) {
   return line("rays", text);
 }
 
+std::string featuresText(const VersionReport& report) {
+  std::string text;
+  for (const std::string& told : report.features) text += line("kernel", told);
+  if (report.timing && report.timing->featuresRatio > 0)
+    text += line("kernel", fmt::format("version {} takes {:.2f} x its time with what was added", *report.lastGood,
+                                       report.timing->featuresRatio));
+  return text;
+}
+
 std::string codeLine(const VersionReport& report) {
   std::string text = fmt::format("{} instructions", report.code.total);
   if (report.lastGood) text += fmt::format(" (+{} -{})", report.code.added, report.code.removed);
@@ -112,7 +122,7 @@ std::string referenceText(const Comparison& c) {
 std::string versionReportText(const VersionReport& report) {
   return compileLine(report) + (report.sameCode ? "" : traceLine(report)) + pictureLine(report) +
          (report.toReference ? referenceText(*report.toReference) : "") + raysLine(report) + codeLine(report) +
-         (report.kept.empty() ? "" : line("kept", report.kept));
+         featuresText(report) + (report.kept.empty() ? "" : line("kept", report.kept));
 }
 
 std::string versionReportJson(const VersionReport& report) {
@@ -170,6 +180,17 @@ void putVersionReport(JsonWriter& json, const VersionReport& report) {
     json.put("instructions", report.code.total);
     json.put("added", report.code.added);
     json.put("removed", report.code.removed);
+  });
+  json.object("kernel", [&] {
+    json.array("added", [&] {
+      for (const std::string& name : featureNames(report.added)) json.put(name);
+    });
+    json.put("added_ratio", report.timing && report.timing->featuresRatio > 0
+                                ? std::optional(report.timing->featuresRatio)
+                                : std::nullopt);
+    json.array("notes", [&] {
+      for (const std::string& told : report.features) json.put(told);
+    });
   });
   if (report.kept.empty())
     json.putNull("kept");

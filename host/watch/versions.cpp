@@ -74,7 +74,10 @@ void Versions::begin(Change change) {
   Job job;
   job.purpose = Purpose::render;
   job.sources = attempt.sources;
-  if (good_) job.goodWords = good_->words;
+  if (good_) {
+    job.goodWords = good_->words;
+    job.goodAdded = good_->report.added;
+  }
   job.goodHasScene = good_ && good_->sceneEpoch == attempt.sceneEpoch;
   actions_.submit(std::move(job));
 }
@@ -168,6 +171,7 @@ void Versions::apply(const Compiled& compiled) {
   report.sameCode = true;
   report.rays = good_->report.rays;
   report.trace = good_->report.trace;
+  report.added = good_->report.added;
   takePicture(good_->image);
 }
 
@@ -184,6 +188,8 @@ void Versions::apply(Picture picture) {
   }
   report.trace = picture.traceSeconds;
   report.readback = picture.readbackSeconds;
+  report.added = picture.added;
+  if (!good_ || report.sceneChanged || good_->report.added != picture.added) report.features = picture.features;
   takePicture(std::move(picture.image));
 }
 

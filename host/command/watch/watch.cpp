@@ -54,7 +54,7 @@ void runWatch(const WatchOptions& watch, const RenderOptions& render) {
   plan.throwIfInterrupted = throwIfInterrupted;
   plan.writePicture = writePicture;
   plan.access = render.access;
-  plan.dispatching = {.tile = render.tile, .workGroup = render.workGroup};
+  plan.dispatching = {.tile = render.tile, .workGroup = render.workGroup, .narrow = render.narrow};
 
   const std::unique_ptr<WatchListener> listener = watch.json ? jsonListener(plan) : textListener(plan, render.quiet);
   watch::watch(plan, *listener);

@@ -34,14 +34,16 @@ struct Job {
   bool reloadScene = false;           // its files have changed since the last job
   bool hung = false;                  // the kernel was given up; else a driver has cut its loops or it left pixels out
   std::vector<ShaderSource> sources;  // the kernel, as it was read by the watcher
-  // The words of the last good kernel, where there is one, and whether its picture was of the same scene.
+  // The words of the last good kernel, where there is one, whether its picture was of the same scene, and what its
+  // kernel had beyond that scene's needs (gpu/kernel_features.h).
   std::vector<uint32_t> goodWords;
   bool goodHasScene = false;
+  uint32_t goodAdded = 0;
 
   template <class Bytes>
   void fields(Bytes& b) {
     uint64_t count = sources.size();
-    b(number, purpose, sceneEpoch, reloadScene, hung, goodWords, goodHasScene, count);
+    b(number, purpose, sceneEpoch, reloadScene, hung, goodWords, goodHasScene, goodAdded, count);
     sources.resize(count);
     for (ShaderSource& source : sources) b(source.name, source.path, source.text);
   }
@@ -104,10 +106,14 @@ struct Picture {
   Image image;
   double pipelineSeconds = 0;  // in which the driver compiled
   double traceSeconds = 0, readbackSeconds = 0;
+  // Of the kernel that rendered it: what it has beyond the scene's needs, and what there is to tell of that.
+  uint32_t added = 0;
+  std::vector<std::string> features;
 
   template <class Bytes>
   void fields(Bytes& b) {
-    b(job, coarse, image.width, image.height, image.window, image.rgb, pipelineSeconds, traceSeconds, readbackSeconds);
+    b(job, coarse, image.width, image.height, image.window, image.rgb, pipelineSeconds, traceSeconds, readbackSeconds,
+      added, features);
   }
 };
 
@@ -118,6 +124,9 @@ struct Timing {
   int pairs = 0;
   double goodSeconds = 0, editedSeconds = 0;
   double ratio = 0, leastRatio = 0, mostRatio = 0;
+  // Where the edited kernel was given features that the good one was without: the time of the good one with them over
+  // that without; else 0.
+  double featuresRatio = 0;
 };
 
 struct Counted {

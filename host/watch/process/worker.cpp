@@ -142,15 +142,16 @@ class Worker {
 
   // --- the kernel ---
 
-  Spirv compile(const std::vector<ShaderSource>& sources) {
+  // All versions alike, so that their times tell what an edit costs.
+  Kernel compile(const std::vector<ShaderSource>& sources) {
     begin(Step::compile);
-    return session_->compile(sources);
+    return session_->compile(sources, KernelForm::edited);
   }
 
   void render(const Job& job) {
     Compiled compiled;
     compiled.job = job_;
-    Spirv kernel = compile(job.sources);
+    const Kernel kernel = compile(job.sources);
     stopIfCancelled();
     Stopwatch watch;
     begin(Step::check);
@@ -166,47 +167,70 @@ class Worker {
     if (compiled.sameAsGood) return;
 
     const RenderSettings& settings = ready_.settings;
+    session_->addFeaturesOf(kernel);
     ShaderPicture coarse = session_->renderCoarse(kernel, settings, kCoarseStride, progressOf(Step::coarse));
     throwIfInvalid();
-    report(Picture{job_, true, std::move(coarse.image), coarse.compileSeconds, coarse.traceSeconds,
-                   coarse.readbackSeconds});
+    reportPicture(true, std::move(coarse));
     ShaderPicture picture = session_->render(kernel, settings, progressOf(Step::picture));
     throwIfInvalid();
-    report(Picture{job_, false, std::move(picture.image), picture.compileSeconds, picture.traceSeconds,
-                   picture.readbackSeconds});
+    const bool isShort = picture.traceSeconds < kShortTrace;
+    reportPicture(false, std::move(picture));
 
     // The picture is there; what follows is about it.
-    if (job.goodHasScene && !job.goodWords.empty() && picture.traceSeconds < kShortTrace)
-      compareTimes({.words = job.goodWords}, kernel);
+    if (job.goodHasScene && !job.goodWords.empty() && isShort)
+      compareTimes({.words = job.goodWords}, kernel, job.goodAdded);
     const Visits visits = session_->countVisits(kernel, settings, progressOf(Step::counting));
     throwIfInvalid();
     report(Counted{job_, visits.rays});
   }
 
+  void reportPicture(bool coarse, ShaderPicture picture) {
+    const ConstantSet added = session_->addedFeatures();
+    report(Picture{job_, coarse, std::move(picture.image), picture.compileSeconds, picture.traceSeconds,
+                   picture.readbackSeconds, added, featureLines(added, session_->features(), ready_.settings)});
+  }
+
+  // A kernel with some of the features that were added.
+  struct TimedKernel {
+    const Spirv& spirv;
+    ConstantSet added;
+  };
+
+  // Both kernels with what the edited one needs; what that costs the good one is measured by itself.
+  void compareTimes(const Spirv& good, const Spirv& edited, ConstantSet goodAdded) {
+    const ConstantSet added = session_->addedFeatures();
+    Timing timing = timeInTurn({good, added}, {edited, added}, kTimingSeconds);
+    if (added != goodAdded) timing.featuresRatio = timeInTurn({good, goodAdded}, {good, added}, 0).ratio;
+    session_->setAddedFeatures(added);
+    report(timing);
+  }
+
   // In turn, so that whatever else the machine does meets both; and each is first in turn.
-  void compareTimes(const Spirv& good, const Spirv& edited) {
+  Timing timeInTurn(const TimedKernel& a, const TimedKernel& b, double seconds) {
     const Stopwatch watch;
     std::vector<double> before, after, ratios;
-    const auto trace = [&](const Spirv& kernel, std::vector<double>& seconds) {
-      seconds.push_back(session_->render(kernel, ready_.settings, progressOf(Step::timing)).traceSeconds);
+    const auto trace = [&](const TimedKernel& kernel, std::vector<double>& times) {
+      session_->setAddedFeatures(kernel.added);
+      times.push_back(session_->render(kernel.spirv, ready_.settings, progressOf(Step::timing)).traceSeconds);
     };
     // An odd number, so that one of the pairs is the median.
     while (ratios.size() < kFewestPairs || ratios.size() % 2 == 0 ||
-           (ratios.size() < kMostPairs && watch.seconds() < kTimingSeconds)) {
-      const bool goodFirst = ratios.size() % 2 == 0;
-      trace(goodFirst ? good : edited, goodFirst ? before : after);
-      trace(goodFirst ? edited : good, goodFirst ? after : before);
+           (ratios.size() < kMostPairs && watch.seconds() < seconds)) {
+      const bool aFirst = ratios.size() % 2 == 0;
+      trace(aFirst ? a : b, aFirst ? before : after);
+      trace(aFirst ? b : a, aFirst ? after : before);
       ratios.push_back(after.back() / before.back());
     }
     const Spread ratio = spreadOf(ratios);
-    report(Timing{job_, int(ratios.size()), spreadOf(before).median, spreadOf(after).median, ratio.median, ratio.least,
-                  ratio.most});
+    return {job_,        int(ratios.size()), spreadOf(before).median, spreadOf(after).median, ratio.median,
+            ratio.least, ratio.most};
   }
 
   // A kernel that counts its loops' turns ends, and reports which of them had too many.
   void findLoop(const Job& job) {
     const LoopProbe probe = probeLoops(job.sources);
-    const Spirv kernel = compile(probe.sources);
+    const Kernel kernel = compile(probe.sources);
+    session_->addFeaturesOf(kernel);
     const uint32_t budget = job.hung ? kLongProbeBudget : kProbeBudget;
     try {
       session_->renderCoarse(kernel, ready_.settings, kCoarseStride, progressOf(Step::probe), budget);
@@ -226,7 +250,7 @@ class Worker {
     const Scene scene = loadSceneFile();
     const RenderSettings settings = plan_.settingsOf(scene);
     ReferencePicture picture = renderReference(plan_.referenceGeometry(scene), settings, progressOf(Step::picture));
-    report(Picture{job_, false, std::move(picture.image), 0, picture.traceSeconds, 0});
+    report(Picture{job_, false, std::move(picture.image), 0, picture.traceSeconds, 0, 0, {}});
   }
 
   // --- the line ---

@@ -1,0 +1,38 @@
+// Both kernels are compiled alike and compared, word by word: comments and names do not count.
+#include "kernel/edited_kernel.h"
+
+#include <string>
+#include <utility>
+
+#include "kernel/kernel_check.h"
+#include "kernel/layout_text.h"
+#include "kernel/shipped_shaders.h"
+
+namespace turner {
+namespace {
+
+std::string editedPreamble(BufferAccess access) {
+  return accessPreamble(access) + "#define EDITED\n";
+}
+
+Kernel compileUnedited(const std::vector<ShaderSource>& sources, BufferAccess access) {
+  return {compileGlsl(sources, accessPreamble(access)), false, {}};
+}
+
+}  // namespace
+
+Kernel compileKernel(const std::vector<ShaderSource>& sources, BufferAccess access, KernelForm form) {
+  const bool asNeeded = form == KernelForm::asNeeded;
+  if (asNeeded && areShipped(sources)) return compileUnedited(sources, access);
+  Kernel kernel{compileGlsl(sources, editedPreamble(access)), true, {}};
+  if (asNeeded) {
+    if (kernel.words == compileGlsl(shippedShaders(), editedPreamble(access)).words)
+      return compileUnedited(sources, access);
+    checkLayout(sources);
+    checkKernel(kernel, sources, access);
+  }
+  kernel.uses = featuresUsed(shippedShaders(), sources);
+  return kernel;
+}
+
+}  // namespace turner
