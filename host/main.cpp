@@ -40,7 +40,7 @@ int run(int argc, char** argv) {
     case CommandKind::devices:
       return runDevices(line.devicesAsJson);
     case CommandKind::shaders:
-      return copyShaders(line.copyShadersTo);
+      return line.shaders.check.empty() ? copyShaders(line.shaders.copyTo) : checkShaders(line.shaders);
     case CommandKind::printed:
       break;
   }
@@ -60,7 +60,8 @@ int main(int argc, char** argv) {
   } catch (const turner::InputError& error) {
     return printError(error.what(), kWrongInput);
   } catch (const turner::Interrupted& error) {
-    return printError(error.what(), kInterrupted + turner::interruptSignal());
+    const int code = kInterrupted + turner::interruptSignal();
+    return *error.what() ? printError(error.what(), code) : code;
   } catch (const turner::RunError& error) {
     return printError(error.what(), kFailed);
   } catch (const std::bad_alloc&) {

@@ -97,6 +97,8 @@ inline constexpr uint kBindCount = 0u
 #endif
 
 // --- blocks ---------------------------------------------------------------------------------------------------------
+TURNER_CONST kMostParameters = 32u;
+
 // The picture: camera and what else is the same for all pixels. The direction through the point (px, py), in pixels
 // from the top left of the full picture, is centre + (px - width/2) * right + (py - height/2) * down; each vector is
 // the unevaluated sum of two floats. The eye is the origin.
@@ -122,6 +124,8 @@ struct Frame {
   uint canaryLength;   // kCanaryLength, where no compiler knows it
   uvec4 media;         // that the eye is in (nested_dielectrics.glsl)
   uvec4 addresses[6];  // x, y: of the arrays from kBindNodes on, where the kernel reads by device address
+  // The values of PARAM(type, name, ...), in the order of their declarations, which the host turns into loads.
+  uvec4 parameters[32];
 };
 
 // A tile of the picture, and the part of it that one dispatch works on; push constants. They decide no branch by
@@ -135,7 +139,7 @@ struct Tile {
   uint stride;         // pixels from one of the tile's to the next, across and down: 1, or more for a coarse picture
 };
 
-// What the host reads after a dispatch; words of 16 bytes.
+// What the host reads after a dispatch.
 struct Status {
   uint unfinished;      // invocations that have work left
   uint limiter;         // invocations whose canary loop was cut: a driver's loop limiter fired
@@ -164,7 +168,7 @@ inline constexpr uint stateWords(uint depth, bool nestedDielectrics) {
   return kStateRayStack + (nestedDielectrics ? 3 : 2) * (depth - 1);
 }
 static_assert(sizeof(Word4) == 16);
-static_assert(sizeof(Frame) == 256);
+static_assert(sizeof(Frame) == 256 + 16 * kMostParameters);
 static_assert(sizeof(Tile) == 32);
 static_assert(sizeof(Status) == 32);
 }  // namespace turner::gpu

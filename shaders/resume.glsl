@@ -142,7 +142,8 @@ void saveCounts() {
 #define TURNER_COMPARE(word, a, b, c, d) \
   same = same && state[stateAt(word)] == Word4(toWord(a), toWord(b), toWord(c), toWord(d));
 bool isAsKept() {
-  bool same = !FRESH && pixels[pixelAt].w == phase;
+  Word4 before = pixels[pixelAt];
+  bool same = !FRESH && before.w == phase;
   packedLevel = rayKind | (level << 8u) | (traversal.top << 16u);
   TURNER_STATE(TURNER_COMPARE)
   if (NESTED_DIELECTRICS) {

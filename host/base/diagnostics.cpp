@@ -16,6 +16,13 @@ void Diagnostics::add(size_t offset, std::string message) {
   faults_.push_back({std::min(offset, text_.size()), std::move(message)});
 }
 
+std::string Diagnostics::placeOf(size_t offset) const {
+  const std::string_view before = text_.substr(0, offset);
+  const size_t lineStart = before.rfind('\n') + 1;  // 0 where there is none
+  const auto line = 1 + std::count(before.begin(), before.end(), '\n');
+  return path_ + ':' + std::to_string(line) + ':' + std::to_string(offset - lineStart + 1) + ": error: ";
+}
+
 void Diagnostics::throwIfAny() const {
   if (faults_.empty()) return;
   std::vector<Fault> sorted = faults_;

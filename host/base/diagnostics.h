@@ -17,6 +17,8 @@ class Diagnostics {
 
   // Notes a fault at a byte offset of the text. Diagnostics may come in any order.
   void add(size_t offset, std::string message);
+  // "file:line:column: error: " of a byte offset, for a message that comes later.
+  std::string placeOf(size_t offset) const;
   bool empty() const { return faults_.empty(); }
   size_t count() const { return faults_.size(); }
   // Throws InputError with all faults in the order of their places, one line each; does nothing if there are none.

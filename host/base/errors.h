@@ -18,7 +18,7 @@ struct RunError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// Ctrl-C, a termination or a hang-up. Exit code 128 and the number of the signal.
+// Ctrl-C, a termination or a hang-up. Exit code 128 and the number of the signal. Without a message: all is said.
 struct Interrupted : std::runtime_error {
   explicit Interrupted(const std::string& what = "interrupted; nothing was written") : std::runtime_error(what) {}
 };

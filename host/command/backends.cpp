@@ -4,6 +4,7 @@
 #include <functional>
 #include <utility>
 
+#include "base/errors.h"
 #include "base/interrupt.h"
 #include "base/stopwatch.h"
 #include "base/tell.h"
@@ -37,6 +38,8 @@ UploadedScene::UploadedScene(Scene scene, const RenderSettings& settings, const 
     : quiet_(options.quiet),
       session_(chooseDeviceFor(options.device), options.access,
                {.tile = options.tile, .workGroup = options.workGroup, .narrow = options.narrow}) {
+  std::vector<ParameterSetting> set = scene.parameters;
+  set.insert(set.end(), options.parameters.begin(), options.parameters.end());
   session_.prepare(std::move(scene), settings);
   const DeviceInfo& device = session_.device();
   if (!quiet_) {
@@ -45,6 +48,8 @@ UploadedScene::UploadedScene(Scene scene, const RenderSettings& settings, const 
   }
   throwIfInterrupted();
   kernel_ = session_.compile(readShaderSources(shaderFolder(options.shaders) + "/whitted.comp"), KernelForm::asNeeded);
+  setParameters(kernel_.parameters, set);
+  if (!quiet_) tell("{}", kernel_.warnings);
   throwIfInterrupted();
   session_.upload();
   session_.addFeaturesOf(kernel_);
@@ -53,7 +58,8 @@ UploadedScene::UploadedScene(Scene scene, const RenderSettings& settings, const 
 
 Image UploadedScene::render(const RenderSettings& settings, const char* what) {
   ProgressLine progress(what, sampleCount(settings), quiet_);
-  Image image = session_.render(kernel_, settings, std::ref(progress)).image;
+  const RenderSettings all = RenderSession::withParameters(settings, kernel_.parameters);
+  Image image = session_.render(kernel_, all, std::ref(progress)).image;
   tellFeatures(settings);
   return image;
 }
@@ -67,7 +73,8 @@ void UploadedScene::tellFeatures(const RenderSettings& settings) {
 
 void UploadedScene::countRays(const RenderSettings& settings) {
   ProgressLine progress("counting rays", sampleCount(settings), quiet_);
-  visits_ = session_.countVisits(kernel_, settings, std::ref(progress));
+  const RenderSettings all = RenderSession::withParameters(settings, kernel_.parameters);
+  visits_ = session_.countVisits(kernel_, all, std::ref(progress));
 }
 
 Stats UploadedScene::stats() const {
@@ -77,6 +84,7 @@ Stats UploadedScene::stats() const {
   stats.device = session_.device();
   stats.access = accessName(session_.access());
   stats.editedKernel = kernel_.edited;
+  stats.parameters = kernel_.parameters;
   stats.addedFeatures = featureNames(session_.addedFeatures());
   const StepSeconds& seconds = session_.seconds();
   stats.seconds.build = seconds.build;
@@ -100,6 +108,7 @@ Rendered renderWithShader(Scene scene, const RenderSettings& settings, const Ren
   result.image = uploaded.render(settings);
   if (!options.stats.empty()) uploaded.countRays(settings);
   result.stats = uploaded.stats();
+  result.parameters = valuesText(uploaded.parameters());
   return result;
 }
 
@@ -107,7 +116,21 @@ Scene geometryOf(const Scene& scene, const RenderOptions& options) {
   return options.geometry == Geometry::rounded ? roundScene(scene) : scene;
 }
 
+namespace {
+
+// The reference has no shaders.
+void refuseParameters(const Scene& scene, const RenderOptions& options) {
+  if (options.backend != Backend::reference) return;  // beside the shader's picture
+  if (!options.parameters.empty())
+    throw InputError("--set: the reference has no parameters; they are those of edited shaders, --shaders DIR");
+  if (!scene.parameters.empty() && !options.quiet)
+    tell("note: the reference renders without the scene's params, which are for edited shaders\n");
+}
+
+}  // namespace
+
 Rendered renderWithReference(const Scene& scene, const RenderSettings& settings, const RenderOptions& options) {
+  refuseParameters(scene, options);
   Rendered result;
   Stats& stats = result.stats;
   stats.backend = "reference";

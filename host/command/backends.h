@@ -19,6 +19,7 @@ double sampleCount(const RenderSettings& settings);
 struct Rendered {
   Image image;
   Stats stats;
+  std::string parameters;  // of the shaders, as --set takes them; empty: none
 };
 
 // A scene and its kernel on the device of the options. All calls throw Interrupted after Ctrl-C.
@@ -29,6 +30,8 @@ class UploadedScene {
 
   // `what` names the work on the progress line.
   Image render(const RenderSettings& settings, const char* what = "tracing");
+  // Of the kernel, with the values that it renders with.
+  const std::vector<Parameter>& parameters() const { return kernel_.parameters; }
   void countRays(const RenderSettings& settings);
   Stats stats() const;
   // Of the kernel, as the compiler has found them.

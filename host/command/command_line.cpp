@@ -14,6 +14,7 @@
 #include "base/errors.h"
 #include "base/number.h"
 #include "base/tell.h"
+#include "kernel/parameters.h"
 
 namespace turner {
 namespace {
@@ -126,6 +127,17 @@ void addRenderOptions(CLI::App& command, RenderOptions& options) {
           "Vulkan device: index, or part of its name (default: $TURNER_DEVICE, else the best one)");
   addText(command, "--crop", options.crop, "x0,y0,x1,y1", "Render only the pixels x0 <= x < x1, y0 <= y < y1");
   addText(command, "--shaders", options.shaders, "DIR", "Folder of the kernel's sources (default: turner's own)");
+  command
+      .add_option_function<std::vector<std::string>>(
+          "--set",
+          [&options](const std::vector<std::string>& found) {
+            for (const std::string& text : found) options.parameters.push_back(parseSetting(text, "--set"));
+          },
+          "Set a parameter of edited shaders, such as softness=0.3 or tint=1,0.5,0; may be repeated")
+      ->expected(1)
+      ->allow_extra_args(false)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+      ->type_name("NAME=VALUE");
   command.add_flag(
       "--narrow", options.narrow,
       "Compile an edited kernel for what the scene needs alone, and refuse it if it needs more: to measure what "
@@ -200,6 +212,9 @@ void addWatch(CLI::App& app, WatchOptions& options, RenderOptions& render) {
       "watch", "Render a scene again whenever its files or the shaders change, and tell what the change did");
   addSceneAndOutputs(*command, render, false);
   addText(*command, "--keep", options.keep, "DIR", "Keep every version there: its sources, its picture, its figures");
+  addText(*command, "--params", options.params, "FILE",
+          "Values of the shaders' parameters as JSON, {\"softness\": 0.3}: a file that is followed, or - for lines from "
+          "standard input; they show without a compilation");
   // Beyond this the device itself is given up.
   addNumber(*command, "--timeout", options.timeout, 100,
             "Seconds that a piece of a picture may take before it is called an endless loop (default: 10)", 1);
@@ -207,9 +222,20 @@ void addWatch(CLI::App& app, WatchOptions& options, RenderOptions& render) {
   addRenderOptions(*command, render);
 }
 
-void addShaders(CLI::App& app, std::string& copyTo) {
-  CLI::App* command = app.add_subcommand("shaders", "Copy the kernel's sources, to edit them");
-  addText(*command, "--copy", copyTo, "DIR", "Folder for the copy; it must be new or empty");
+void addShaders(CLI::App& app, ShaderOptions& options) {
+  CLI::App* command = app.add_subcommand("shaders", "Copy the kernel's sources, to edit them; check edited ones");
+  addText(*command, "--copy", options.copyTo, "DIR", "Folder for the copy; it must be new or empty");
+  addText(*command, "--check", options.check, "DIR",
+          "Compile the kernel there and check it, without a device: exit code 0 if it is sound, else 2");
+  command->add_option("SCENE", options.scene, "With --check: tell what of the kernel this scene leaves out");
+  command->add_flag("--json", options.json, "With --check: print the result as JSON");
+}
+
+void checkShaderOptions(const ShaderOptions& options) {
+  if (options.copyTo.empty() == options.check.empty())
+    throw InputError("name the folder for the copy, or the one to check: turner shaders --copy DIR, or --check DIR");
+  if (options.check.empty() && (options.json || !options.scene.empty()))
+    throw InputError(std::string(options.json ? "--json" : "a scene") + " goes with --check DIR, not with --copy");
 }
 
 void addReport(CLI::App& app, ReportOptions& options) {
@@ -287,7 +313,7 @@ CommandLine parseCommandLine(int argc, char** argv) {
   addReport(app, line.report);
   CLI::App* devices = app.add_subcommand("devices", "List the Vulkan devices");
   devices->add_flag("--json", line.devicesAsJson, "Print as JSON");
-  addShaders(app, line.copyShadersTo);
+  addShaders(app, line.shaders);
 
   checkFirstWord(app, argc, argv);
   try {
@@ -315,8 +341,7 @@ CommandLine parseCommandLine(int argc, char** argv) {
   if (app.got_subcommand("shaders")) line.kind = CommandKind::shaders;
   if (app.got_subcommand("report")) line.kind = CommandKind::report;
   if (app.got_subcommand("devices")) line.kind = CommandKind::devices;
-  if (line.kind == CommandKind::shaders && line.copyShadersTo.empty())
-    throw InputError("name the folder for the copy: turner shaders --copy DIR");
+  if (line.kind == CommandKind::shaders) checkShaderOptions(line.shaders);
   const CompareOptions& compare = line.compare;
   if (compare.files.size() == 1) line.render.scene = compare.files[0];
   if (compare.files.size() == 2 && (compare.decompose || compare.envelope))

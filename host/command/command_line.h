@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base/parameter_setting.h"
 #include "image/compare.h"
 #include "image/settings.h"
 #include "kernel/buffer_access.h"
@@ -28,6 +29,7 @@ struct RenderOptions {
   Backend backend = Backend::shader;
   Geometry geometry = Geometry::exact;
   std::string device, crop, shaders, stats;
+  std::vector<ParameterSetting> parameters;  // --set
   bool quiet = false;
   BufferAccess access = BufferAccess::automatic;  // how the kernel fetches the scene; never changes the picture
   bool narrow = false;                            // an edited kernel gets no more than the scene needs
@@ -47,6 +49,7 @@ struct CompareOptions {
 // What `watch` takes beside what `render` does.
 struct WatchOptions {
   std::string keep;     // a folder; empty: versions are not kept
+  std::string params;   // a file of settings, or - for standard input; empty: none
   double timeout = 10;  // seconds
   bool json = false;
 };
@@ -61,6 +64,13 @@ struct ReportOptions {
   bool keepExr = false, quiet = false;
 };
 
+// What `shaders` takes: one of both folders.
+struct ShaderOptions {
+  std::string copyTo, check;
+  std::string scene;  // to check for; empty: none
+  bool json = false;
+};
+
 struct CommandLine {
   CommandKind kind = CommandKind::printed;  // printed: help or version, already shown
   RenderOptions render;
@@ -68,7 +78,7 @@ struct CommandLine {
   WatchOptions watch;
   ReportOptions report;
   bool devicesAsJson = false;
-  std::string copyShadersTo;  // a folder
+  ShaderOptions shaders;
 };
 
 // Throws InputError with one clear message; prints help and version itself.

@@ -13,5 +13,6 @@ int runCompare(const CompareOptions& compare, const RenderOptions& render);
 int runReport(const ReportOptions& options);
 int runDevices(bool asJson);
 int copyShaders(const std::string& folder);
+int checkShaders(const ShaderOptions& options);
 
 }  // namespace turner

@@ -23,7 +23,7 @@ size_t terminalWidth() {
 StatusLine::StatusLine(bool quiet) : quiet_(quiet), terminal_(isatty(STDERR_FILENO)) {}
 
 StatusLine::~StatusLine() {
-  if (shown_ && terminal_) tellTextOnStderr("\n");
+  if (shown_ && terminal_) wipe();
 }
 
 bool StatusLine::isDue() {
@@ -44,8 +44,13 @@ void StatusLine::show(const std::string& text) {
 
 void StatusLine::note(const std::string& text) {
   if (quiet_) return;
-  if (terminal_) show("");
-  tellOnStderr("{}{}\n", terminal_ ? "\r" : "", text);
+  if (terminal_) wipe();
+  tellOnStderr("{}\n", text);
+}
+
+// What comes next begins where the line began.
+void StatusLine::wipe() {
+  tellOnStderr("\r{:<{}}\r", "", terminalWidth());
 }
 
 double StatusLine::secondsSinceStart() const {

@@ -13,7 +13,7 @@ class StatusLine {
  public:
   // Quiet: shows nothing.
   explicit StatusLine(bool quiet);
-  ~StatusLine();  // ends the line on a terminal
+  ~StatusLine();  // wipes it from a terminal
   StatusLine(const StatusLine&) = delete;
   StatusLine& operator=(const StatusLine&) = delete;
 
@@ -27,6 +27,8 @@ class StatusLine {
   double secondsSinceStart() const;
 
  private:
+  void wipe();
+
   bool quiet_, terminal_;
   bool shown_ = false;
   Stopwatch start_, last_;  // since the first and the last text

@@ -58,9 +58,10 @@ int runRender(const RenderOptions& options) {
                                                          : renderWithReference(scene, settings, options);
   throwIfInvalid();
   Stats& stats = rendered.stats;
-  const Provenance provenance =
+  Provenance provenance =
       makeProvenance(summary, settings, "--backend " + stats.backend + " --geometry " + stats.geometry,
                      stats.device.name, stats.device.driver);
+  if (!rendered.parameters.empty()) provenance.strings.emplace_back("turner:params", rendered.parameters);
   throwIfInterrupted();
   Deliveries deliveries;
   for (const std::string& output : outputs) {

@@ -30,6 +30,7 @@ std::string statsJson(const Stats& stats) {
       json.put("fetch", stats.access);
       json.put("crop", cropText(settings.crop));
     });
+    putParameters(json, "params", stats.parameters);
     json.object("kernel", [&] {
       json.put("edited", stats.editedKernel);
       json.array("added", [&] {

@@ -2,6 +2,7 @@
 #include "gpu/pack_view.h"
 
 #include <algorithm>
+#include <cstring>
 #include <utility>
 #include <vector>
 
@@ -73,6 +74,8 @@ gpu::Frame packFrame(const View& view, const RenderSettings& settings, uint32_t 
   frame.minWeight = float(settings.weightLimit());
   frame.threads = deviceThreads;
   frame.canaryLength = gpu::kCanaryLength;
+  static_assert(sizeof frame.parameters == sizeof settings.parameters);
+  std::memcpy(frame.parameters, settings.parameters.data(), sizeof frame.parameters);
   return frame;
 }
 

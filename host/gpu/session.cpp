@@ -1,6 +1,7 @@
 // Each step is one call; what is added here is its time.
 #include "gpu/session.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "base/stopwatch.h"
@@ -38,6 +39,12 @@ void RenderSession::addFeaturesOf(const Kernel& kernel) {
   ConstantSet set = 0;
   for (const FeatureUse& use : kernel.uses) set |= ConstantSet(1) << use.constant;
   renderer_.addFeatures(set);
+}
+
+RenderSettings RenderSession::withParameters(RenderSettings settings, const std::vector<Parameter>& parameters) {
+  const auto words = packParameters(parameters);
+  std::copy(words.begin(), words.end(), settings.parameters.begin());
+  return settings;
 }
 
 ShaderPicture RenderSession::render(const Spirv& kernel, const RenderSettings& settings, const Progress& progress) {

@@ -56,6 +56,8 @@ class RenderSession {
   Kernel compile(const std::vector<ShaderSource>& sources, KernelForm form);
   // Has the kernel's features compiled in, whatever the scene needs; of an uploaded scene.
   void addFeaturesOf(const Kernel& kernel);
+  // The settings with a kernel's parameters.
+  static RenderSettings withParameters(RenderSettings settings, const std::vector<Parameter>& parameters);
   // What kernels of the uploaded scene have beyond its needs, and all they have.
   ConstantSet addedFeatures() const { return renderer_.addedFeatures(); }
   // Exactly these, for measuring what some of them cost.

@@ -2,6 +2,7 @@
 // reference): the picture and the count of its rays.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 
@@ -18,6 +19,9 @@ inline const char* samplerName(Sampler sampler) {
   return sampler == Sampler::grid ? "grid" : sampler == Sampler::jitter ? "jitter" : "sobol";
 }
 
+// Words of the parameters of edited shaders, as the kernel reads them (Frame::parameters of layout.h).
+using ParameterWords = std::array<std::array<uint32_t, 4>, 32>;
+
 struct RenderSettings {
   int width = 512, height = 512;  // of the full picture, pixels
   Window crop{0, 0, 512, 512};    // the part to render
@@ -26,6 +30,7 @@ struct RenderSettings {
   uint32_t seed = 0;     // of the hashes of jitter and sobol
   int depth = 5;         // levels of the ray tree, the eye ray being level 1
   double minWeight = 0;  // rays whose product of r and t factors is below this are dropped
+  ParameterWords parameters{};
 
   // What renderers compare that product with: a little less, so that 0.7 * 0.7 is not below 0.49, in double or in
   // float.

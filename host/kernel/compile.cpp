@@ -120,6 +120,17 @@ std::string firstError(const std::string& log, const std::string& path) {
   return path + ": error: " + log;
 }
 
+// The warnings of a log, each as "file:12: warning: ...".
+std::string warningsOf(const std::string& log) {
+  static const std::regex placed("^WARNING: (.*?):([0-9]+): (.*?) *$");
+  std::istringstream lines(log);
+  std::string line, warnings;
+  for (std::smatch match; std::getline(lines, line);)
+    if (std::regex_match(line, match, placed))
+      warnings += match[1].str() + ':' + match[2].str() + ": warning: " + match[3].str() + '\n';
+  return warnings;
+}
+
 // Much of what a driver does first whenever it makes a pipeline, done once and kept in the cache: for lavapipe 22.3
 // half of its work on a shader whose machine code it has in its own. None of these passes touches arithmetic.
 std::vector<uint32_t> optimise(const std::vector<uint32_t>& words, const std::string& path) {
@@ -168,6 +179,7 @@ Spirv compile(const std::vector<ShaderSource>& sources, FileIncluder& includer, 
   std::vector<uint32_t> words;
   glslang::GlslangToSpv(*program.getIntermediate(EShLangCompute), words, &options);
   Spirv spirv;
+  spirv.warnings = warningsOf(std::string(shader.getInfoLog()) + program.getInfoLog());
   spirv.glslangSeconds = watch.lap();
   spirv.words = optimise(words, path);
   spirv.optimiserSeconds = watch.lap();
@@ -195,8 +207,8 @@ Spirv compileGlsl(const std::vector<ShaderSource>& sources, const std::string& p
   } else {
     spirv = compile(sources, includer, preamble);
     files = includer.filesRead();
-    // A shader that read more than the key knows cannot be found by it.
-    if (areSources(files)) keepCached(folder, key, {spirv.words, files});
+    // A shader that read more than the key knows cannot be found by it. Of one with warnings these are told each time.
+    if (areSources(files) && spirv.warnings.empty()) keepCached(folder, key, {spirv.words, files});
   }
   for (const uint32_t number : files) spirv.files.push_back(includer.source(number).path);
   return spirv;

@@ -13,6 +13,7 @@ namespace turner {
 struct Spirv {
   std::vector<uint32_t> words;
   std::vector<std::string> files;                   // read on the way: the shader first, then its includes in order
+  std::string warnings;                             // the compiler's, a line "file:line: warning: ..." for each
   double glslangSeconds = 0, optimiserSeconds = 0;  // 0 where it was compiled before
 };
 

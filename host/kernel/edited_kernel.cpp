@@ -16,7 +16,7 @@ std::string editedPreamble(BufferAccess access) {
 }
 
 Kernel compileUnedited(const std::vector<ShaderSource>& sources, BufferAccess access) {
-  return {compileGlsl(sources, accessPreamble(access)), false, {}};
+  return {compileGlsl(sources, accessPreamble(access)), false, {}, {}};
 }
 
 }  // namespace
@@ -24,13 +24,15 @@ Kernel compileUnedited(const std::vector<ShaderSource>& sources, BufferAccess ac
 Kernel compileKernel(const std::vector<ShaderSource>& sources, BufferAccess access, KernelForm form) {
   const bool asNeeded = form == KernelForm::asNeeded;
   if (asNeeded && areShipped(sources)) return compileUnedited(sources, access);
-  Kernel kernel{compileGlsl(sources, editedPreamble(access)), true, {}};
+  ParameterisedSources parameterised = readParameters(sources);
+  Kernel kernel{compileGlsl(parameterised.sources, editedPreamble(access)), true, {}, {}};
   if (asNeeded) {
     if (kernel.words == compileGlsl(shippedShaders(), editedPreamble(access)).words)
       return compileUnedited(sources, access);
     checkLayout(sources);
     checkKernel(kernel, sources, access);
   }
+  kernel.parameters = std::move(parameterised.parameters);
   kernel.uses = featuresUsed(shippedShaders(), sources);
   return kernel;
 }

@@ -7,6 +7,7 @@
 #include "kernel/buffer_access.h"
 #include "kernel/compile.h"
 #include "kernel/feature_use.h"
+#include "kernel/parameters.h"
 #include "kernel/shader_sources.h"
 
 namespace turner {
@@ -19,9 +20,10 @@ enum class KernelForm {
 struct Kernel : Spirv {
   bool edited = false;           // it was compiled with EDITED defined
   std::vector<FeatureUse> uses;  // of an edited one, where it was edited
+  std::vector<Parameter> parameters;  // with their defaults
 };
 
-// Throws InputError with the compiler's first error; for KernelForm::asNeeded also with what checkLayout() and
+// Throws InputError with the compiler's first error, or with what is wrong with the declarations of parameters; for KernelForm::asNeeded also with what checkLayout() and
 // checkKernel() have against an edited kernel.
 Kernel compileKernel(const std::vector<ShaderSource>& sources, BufferAccess access, KernelForm form);
 

@@ -86,13 +86,18 @@ class ShaderPictures : public Renderer {
       session_.addFeaturesOf(kernel_);
       packedSamples_ = settings.samples;
     }
-    ShaderPicture picture = session_.render(kernel_, settings, progress);
+    ShaderPicture picture =
+        session_.render(kernel_, RenderSession::withParameters(settings, kernel_.parameters), progress);
     throwIfInvalid();
     return {std::move(picture.image), picture.traceSeconds};
   }
 
  private:
-  Kernel compile() { return session_.compile(readShaderSources(path_), KernelForm::asNeeded); }
+  Kernel compile() {
+    Kernel kernel = session_.compile(readShaderSources(path_), KernelForm::asNeeded);
+    setParameters(kernel.parameters, scene_.parameters);
+    return kernel;
+  }
 
   Scene scene_;
   RenderSession session_;

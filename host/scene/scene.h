@@ -9,6 +9,7 @@
 #include <tuple>
 #include <vector>
 
+#include "base/parameter_setting.h"
 #include "primitives/cone.h"
 #include "primitives/sphere.h"
 #include "primitives/triangle.h"
@@ -97,6 +98,8 @@ struct Scene {
   std::vector<Triangle> triangles;
   // Of vertices, which triangles share; some may be no triangle's.
   std::vector<glm::dvec3> positions, normals;
+  // Values for parameters of edited shaders.
+  std::vector<ParameterSetting> parameters;
   // What the user should be told: lines "FILE: note: WHAT" or "FILE:LINE:COLUMN: note: WHAT".
   std::vector<std::string> notes;
 

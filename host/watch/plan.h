@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base/parameter_setting.h"
 #include "gpu/devices.h"
 #include "gpu/renderer.h"
 #include "image/exr.h"
@@ -20,6 +21,8 @@ struct WatchPlan {
   std::vector<std::string> outputs;  // .exr and .png; written anew at each version
   std::string keep;                  // folder of all versions; empty: none is kept
   double timeout = 10;               // seconds that a piece of work may last
+  std::vector<ParameterSetting> parameters;  // of the command line
+  std::string params;                        // file of settings that is followed, "-": standard input; empty: none
 
   std::function<RenderSettings(const Scene&)> settingsOf;  // throws InputError
   std::function<Scene(Scene)> referenceGeometry;           // what the reference traces

@@ -84,6 +84,10 @@ std::string featuresText(const VersionReport& report) {
   return text;
 }
 
+std::string parametersLine(const VersionReport& report) {
+  return report.parameters.empty() ? "" : line("params", valuesText(report.parameters));
+}
+
 std::string codeLine(const VersionReport& report) {
   std::string text = fmt::format("{} instructions", report.code.total);
   if (report.lastGood) text += fmt::format(" (+{} -{})", report.code.added, report.code.removed);
@@ -120,8 +124,9 @@ std::string referenceText(const Comparison& c) {
 }
 
 std::string versionReportText(const VersionReport& report) {
-  return compileLine(report) + (report.sameCode ? "" : traceLine(report)) + pictureLine(report) +
-         (report.toReference ? referenceText(*report.toReference) : "") + raysLine(report) + codeLine(report) +
+  return report.warnings + compileLine(report) + (report.sameCode ? "" : traceLine(report)) + pictureLine(report) +
+         (report.toReference ? referenceText(*report.toReference) : "") + raysLine(report) + parametersLine(report) +
+         codeLine(report) +
          featuresText(report) + (report.kept.empty() ? "" : line("kept", report.kept));
 }
 
@@ -191,7 +196,9 @@ void putVersionReport(JsonWriter& json, const VersionReport& report) {
     json.array("notes", [&] {
       for (const std::string& told : report.features) json.put(told);
     });
+    json.put("warnings", report.warnings);
   });
+  putParameters(json, "params", report.parameters);
   if (report.kept.empty())
     json.putNull("kept");
   else

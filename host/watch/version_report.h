@@ -35,6 +35,8 @@ struct VersionReport {
   std::optional<Comparison> toLastGood, toReference;  // none: there is none of this size; or it is not ready
   std::optional<RayCounts> rays, lastGoodRays;
   InstructionChange code;
+  std::string warnings;               // the compiler's, a line for each
+  std::vector<Parameter> parameters;  // with their values
   uint32_t added = 0;                 // what the kernel has beyond the scene's needs (gpu/kernel_features.h)
   std::vector<std::string> features;  // what is to be told of that, where it is news
   std::string kept;                   // folder

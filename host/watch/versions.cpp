@@ -77,6 +77,8 @@ void Versions::begin(Change change) {
   if (good_) {
     job.goodWords = good_->words;
     job.goodAdded = good_->report.added;
+    job.goodParameters = good_->report.parameters;
+    job.goodTrace = good_->report.trace;
   }
   job.goodHasScene = good_ && good_->sceneEpoch == attempt.sceneEpoch;
   actions_.submit(std::move(job));
@@ -165,6 +167,14 @@ void Versions::apply(const Compiled& compiled) {
   report.optimiser = compiled.optimiserSeconds;
   report.check = compiled.checkSeconds;
   report.code = compareInstructions(good_ ? good_->words : std::vector<uint32_t>(), compiled.words);
+  report.warnings = compiled.warnings;
+  report.parameters = compiled.parameters;
+  report.scene.parameters = valuesText(compiled.parameters);
+  if (good_) {
+    const std::vector<Parameter>& before = good_->report.parameters;
+    for (const Parameter& parameter : report.parameters)
+      if (std::find(before.begin(), before.end(), parameter) == before.end()) report.changed.push_back(parameter.name);
+  }
   attempt_->words = compiled.words;
   actions_.compilerRead(compiled.files);
   if (!compiled.sameAsGood) return;

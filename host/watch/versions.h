@@ -78,6 +78,8 @@ class Versions {
 
   bool isWorking() const { return attempt_.has_value(); }
   int version() const { return attempt_->version; }  // in work
+  // Its picture is shown; what follows are figures.
+  bool hasPicture() const { return attempt_ && attempt_->hasPicture; }
   const GoodVersion* good() const { return good_ ? &*good_ : nullptr; }
   // When the version in work may be interrupted at the latest.
   double protectedUntil() const { return attempt_->beganAt + kLifetime; }

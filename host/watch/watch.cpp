@@ -13,6 +13,7 @@
 #include "base/errors.h"
 #include "base/stopwatch.h"
 #include "base/text_file.h"
+#include "watch/files/followed_settings.h"
 #include "watch/files/watched_files.h"
 #include "watch/output/kept_versions.h"
 #include "watch/output/pictures.h"
@@ -25,6 +26,9 @@ namespace {
 
 // Seconds. poll() overslept by more than this: the process was suspended (SIGSTOP).
 constexpr double kOverslept = 0.5;
+
+// In the number of a burst: it is of settings, not of saves.
+constexpr uint64_t kOfSettings = uint64_t(1) << 63;
 
 // The reason that the system has.
 std::string cannotRead(const std::string& path) try {
@@ -42,6 +46,7 @@ class Watcher : VersionActions {
         files_(plan.scene, plan.shaders),
         renderer_(plan),
         reference_(plan),
+        settings_(plan.params),
         versions_(*this, listener, plan.keep.empty() ? 0 : lastKeptVersion(plan.keep)) {
     begin();
   }
@@ -51,6 +56,7 @@ class Watcher : VersionActions {
       plan_.throwIfInterrupted();
       files_.check(now());
       if (files_.isDue(now())) applyChange();
+      checkSettings();
       pollRenderer();
       versions_.applyAnswers();
       superviseProcesses();
@@ -60,7 +66,7 @@ class Watcher : VersionActions {
     renderer_.end();
     reference_.end();
     versions_.stop();
-    throw Interrupted("interrupted; watching has ended");
+    throw Interrupted("");  // the listener has said it
   }
 
  private:
@@ -82,8 +88,36 @@ class Watcher : VersionActions {
     change.sources = files_.takeUp();
     change.sceneEpoch = files_.sceneEpoch();
     change.unreadable = change.sources[0].text ? overwritten(files_.shaderFiles()) : cannotRead(change.sources[0].path);
+    begin(std::move(change));
+  }
+
+  void begin(Change change) {
     mayPrepare_ = true;
+    settingsChanged_ = false;
+    sources_ = change.sources;
     versions_.begin(std::move(change));
+  }
+
+  // Values of parameters need no compiler, and do not wait for the time in which saves are joined. A version without a
+  // picture is not interrupted for them: whoever turns a value without end shall see what becomes of it.
+  void checkSettings() {
+    settingsChanged_ |= settings_.check(now());
+    if (const std::string fault = settings_.takeFault(); !fault.empty())
+      versions_.reportTrouble(versions_.good() ? versions_.good()->version : 0, fault);
+    if (!settingsChanged_ || files_.hasChange() || (versions_.isWorking() && !versions_.hasPicture())) return;
+    Change change;
+    change.burst = kOfSettings | ++settingsBursts_;
+    versions_.interrupt(change.burst);
+    if (renderer_.isBusy()) {
+      if (!renderer_.isPreparing()) renderer_.cancel(now(), true);
+      return;
+    }
+    change.savedAt = settings_.changedAt();
+    change.beganAt = now();
+    change.sceneEpoch = files_.sceneEpoch();
+    // Of sources that were refused the last good ones.
+    change.sources = versions_.good() ? versions_.good()->sources : sources_;
+    begin(std::move(change));
   }
 
   // Which output would be written over one of these inputs; empty: none.
@@ -147,6 +181,8 @@ class Watcher : VersionActions {
   void submit(Job job) override {
     job.sceneEpoch = files_.sceneEpoch();
     job.reloadScene = files_.isSceneStale();
+    job.parameters = plan_.parameters;
+    job.parameters.insert(job.parameters.end(), settings_.settings().begin(), settings_.settings().end());
     try {
       renderer_.give(std::move(job), now());
     } catch (const RunError& error) {
@@ -183,12 +219,14 @@ class Watcher : VersionActions {
       if (versions_.isWorking()) wakeAt(versions_.protectedUntil());
     }
     wakeAt(versions_.nextDecision());
-    pollfd waits[3];
+    wakeAt(settings_.nextLook());
+    pollfd waits[4];
     nfds_t count = 0;
     const auto waitFor = [&](int descriptor, int events) {
       if (descriptor >= 0) waits[count++] = {descriptor, short(events), 0};
     };
     waitFor(files_.descriptor(), POLLIN);
+    waitFor(settings_.descriptor(), POLLIN);
     waitFor(renderer_.descriptor(), renderer_.hasUnsent() ? POLLIN | POLLOUT : POLLIN);
     waitFor(reference_.descriptor(), POLLIN);
     const double begin = now(), wait = std::clamp(until - begin, 0.0, 1.0);
@@ -203,7 +241,11 @@ class Watcher : VersionActions {
   WatchedFiles files_;
   RendererProcess renderer_;
   ReferenceProcess reference_;
+  FollowedSettings settings_;
   Versions versions_;
+  std::vector<ShaderSource> sources_;  // of the version that began last
+  bool settingsChanged_ = false;       // since a version began
+  uint64_t settingsBursts_ = 0;
   bool mayPrepare_ = false;  // a worker, for want of one: once after each version
   bool hasWorked_ = false;   // on a version, since the last idle moment
 };

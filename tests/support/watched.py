@@ -26,7 +26,7 @@ class Watched:
             [str(PROGRAM), *self.args],
             cwd=test.folder,
             env=test.environment(env),
-            stdin=subprocess.DEVNULL,
+            stdin=options.pop("stdin", subprocess.DEVNULL),
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             **options,

@@ -95,20 +95,6 @@ class JsonListener : public WatchListener {
     });
     printResult(json.oneLine());
   }
-
-  static void putDiagnoses(JsonWriter& json, const std::vector<Diagnosis>& diagnoses) {
-    json.array("diagnoses", [&] {
-      for (const Diagnosis& diagnosis : diagnoses) {
-        json.object([&] {
-          json.put("file", diagnosis.file);
-          json.put("line", diagnosis.line);
-          json.put("column", diagnosis.column);
-          json.put("message", diagnosis.message);
-          json.put("source", diagnosis.source);
-        });
-      }
-    });
-  }
 };
 
 }  // namespace

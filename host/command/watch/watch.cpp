@@ -44,8 +44,11 @@ void runWatch(const WatchOptions& watch, const RenderOptions& render) {
   refuseRepeated(places);
   plan.refuseOverwriting = [=](const std::vector<std::string>& inputs) { refuseOverwriting(files, inputs); };
   plan.refuseOverwriting({plan.scene});
+  if (!watch.params.empty() && watch.params != kStandardStream) plan.refuseOverwriting({watch.params});
   plan.refuseOverwriting(shaderFiles(render.shaders));
   plan.timeout = watch.timeout;
+  plan.parameters = render.parameters;
+  plan.params = watch.params;
   plan.settingsOf = [&](const Scene& scene) { return settingsFor(scene, render); };
   plan.referenceGeometry = [&](Scene scene) {
     return render.geometry == Geometry::rounded ? roundScene(std::move(scene)) : scene;

@@ -71,6 +71,10 @@ void JsonFields::addMessage(size_t at, const Field& field, const std::string& me
   faults_.add(node(at).offset, name.empty() ? message : name + ": " + message);
 }
 
+std::string JsonFields::placeOf(size_t at) const {
+  return faults_.placeOf(node(at).offset);
+}
+
 void JsonFields::addFault(size_t at, const Field& field, const std::string& allowed) {
   addMessage(at, field, "found " + describe(at) + "; must be " + allowed);
 }

@@ -51,6 +51,9 @@ class JsonFields {
 
   const JsonNode& node(size_t at) const { return tree_.nodes[at]; }
 
+  // "scene.json:5:17: error: ", for a message that comes later.
+  std::string placeOf(size_t at) const;
+
   // "FIELD: found THIS; must be ALLOWED"
   void addFault(size_t at, const Field& field, const std::string& allowed);
   // "FIELD: MESSAGE"

@@ -17,6 +17,7 @@
 #include "scene/json/json_tree.h"
 #include "scene/json/mesh_files.h"
 #include "scene/json/place_mesh.h"
+#include "scene/json/settings_json.h"
 #include "scene/plain_text.h"
 
 namespace turner {
@@ -92,6 +93,10 @@ void SceneReader::read() {
        {"lights", false,
         [&](size_t at, const Field& field) {
           fields_.readArray(at, field, [&](size_t light, const Field& name) { readLight(light, name); });
+        }},
+       {"params", false,
+        [&](size_t at, const Field& field) {
+          readSettings(fields_, at, field, scene_.parameters);
         }},
        {"materials", false, keep(materials)},
        {"spheres", false, keep(spheres)},

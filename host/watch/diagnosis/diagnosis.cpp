@@ -276,4 +276,18 @@ std::string gccText(const Diagnosis& diagnosis) {
   return text + "\n  " + harmless(before + behind) + "\n  " + blanksFor(before) + '^';
 }
 
+void putDiagnoses(JsonWriter& json, const std::vector<Diagnosis>& diagnoses) {
+  json.array("diagnoses", [&] {
+    for (const Diagnosis& diagnosis : diagnoses) {
+      json.object([&] {
+        json.put("file", diagnosis.file);
+        json.put("line", diagnosis.line);
+        json.put("column", diagnosis.column);
+        json.put("message", diagnosis.message);
+        json.put("source", diagnosis.source);
+      });
+    }
+  });
+}
+
 }  // namespace turner::watch

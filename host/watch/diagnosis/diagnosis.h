@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "base/json_writer.h"
 #include "kernel/shader_sources.h"
 
 namespace turner::watch {
@@ -19,6 +20,9 @@ struct Diagnosis {
 // any other text. The source's line comes from the sources, else from the disk. Where a line is known and no column,
 // the column is deduced from what the message quotes.
 std::vector<Diagnosis> readDiagnoses(const std::string& text, const std::vector<ShaderSource>& sources);
+
+// As an array "diagnoses" of objects, into an object that is open.
+void putDiagnoses(JsonWriter& json, const std::vector<Diagnosis>& diagnoses);
 
 // "file:line:column: error: message", then the source's line and a caret below the place. No byte of it can do a
 // terminal harm.

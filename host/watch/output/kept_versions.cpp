@@ -64,6 +64,7 @@ std::string keepVersion(const std::string& folder, int number, const KeptVersion
     if (!version.sceneName.empty()) writeInto(temporary / "scene" / version.sceneName, version.sceneText);
     writeInto(temporary / "picture.exr", version.picture);
     writeInto(temporary / "figures.json", version.figures);
+    if (!version.parameters.empty()) writeInto(temporary / "params.json", version.parameters);
     made.moveIntoPlace();
   } catch (const std::system_error& error) {  // fs::filesystem_error is one
     throw RunError(target.string() + ": error: cannot keep the version: " + error.code().message());

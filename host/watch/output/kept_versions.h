@@ -18,6 +18,7 @@ struct KeptVersion {
   std::string sceneName, sceneText;  // of its file
   std::string picture;               // bytes of an EXR
   std::string figures;               // JSON
+  std::string parameters;            // JSON, as --params takes it; empty: there are none
 };
 
 // The version's folder appears whole or not at all. Returns its path. Throws RunError.

@@ -14,8 +14,10 @@ namespace turner::watch {
 namespace {
 
 Provenance provenanceOf(const SceneReady& scene) {
-  return makeProvenance(scene.summary, scene.settings, "--backend shader --geometry rounded", scene.device,
-                        scene.driver);
+  Provenance provenance = makeProvenance(scene.summary, scene.settings, "--backend shader --geometry rounded",
+                                         scene.device, scene.driver);
+  if (!scene.parameters.empty()) provenance.strings.emplace_back("turner:params", scene.parameters);
+  return provenance;
 }
 
 }  // namespace
@@ -44,6 +46,7 @@ std::string keepGood(const WatchPlan& plan, const GoodVersion& good, const Versi
   if (sha256Hex(version.sceneText) == good.scene.summary.sources.at(0).sha256)
     version.sceneName = std::filesystem::path(plan.scene).filename().string();
   version.figures = versionReportJson(report);
+  if (!report.parameters.empty()) version.parameters = parametersJson(report.parameters);
   return keepVersion(plan.keep, report.version, version);
 }
 

@@ -7,8 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "base/parameter_setting.h"
 #include "image/image.h"
 #include "image/settings.h"
+#include "kernel/parameters.h"
 #include "kernel/shader_sources.h"
 #include "scene/scene.h"
 #include "watch/process/bytes.h"
@@ -39,11 +41,15 @@ struct Job {
   std::vector<uint32_t> goodWords;
   bool goodHasScene = false;
   uint32_t goodAdded = 0;
+  std::vector<ParameterSetting> parameters;  // of the command line and what is followed, the last ones count
+  std::vector<Parameter> goodParameters;     // that the last good picture was rendered with
+  double goodTrace = 0;                      // seconds that it took
 
   template <class Bytes>
   void fields(Bytes& b) {
     uint64_t count = sources.size();
-    b(number, purpose, sceneEpoch, reloadScene, hung, goodWords, goodHasScene, goodAdded, count);
+    b(number, purpose, sceneEpoch, reloadScene, hung, goodWords, goodHasScene, goodAdded, parameters,
+      goodParameters, goodTrace, count);
     sources.resize(count);
     for (ShaderSource& source : sources) b(source.name, source.path, source.text);
   }
@@ -73,6 +79,7 @@ struct SceneReady {
   PrimitiveCounts primitives;
   std::string device, driver, deviceType, access;
   double openSeconds = 0, loadSeconds = 0, buildSeconds = 0, uploadSeconds = 0;  // 0 where it was not done again
+  std::string parameters;  // of the picture, as text; filled in where they are known
 
   template <class Bytes>
   void fields(Bytes& b) {
@@ -90,12 +97,15 @@ struct Compiled {
   uint64_t job = 0;
   std::vector<uint32_t> words;
   std::vector<std::string> files;
+  std::string warnings;  // the compiler's, a line for each
+  std::vector<Parameter> parameters;  // with their values
   double glslangSeconds = 0, optimiserSeconds = 0, checkSeconds = 0;
-  bool sameAsGood = false;  // the last good kernel's words, of the same scene: no picture follows, it would be the same
+  // The last good kernel's words, of the same scene and with the same values: no picture follows, it would be the same.
+  bool sameAsGood = false;
 
   template <class Bytes>
   void fields(Bytes& b) {
-    b(job, words, files, glslangSeconds, optimiserSeconds, checkSeconds, sameAsGood);
+    b(job, words, files, warnings, parameters, glslangSeconds, optimiserSeconds, checkSeconds, sameAsGood);
   }
 };
 

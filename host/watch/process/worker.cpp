@@ -6,6 +6,7 @@
 #include <malloc.h>
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <memory>
 #include <new>
 #include <optional>
@@ -127,6 +128,7 @@ class Worker {
       ready.summary.camera = scene.camera;
       ready.summary.sources = scene.sources;
       ready.summary.notes = scene.notes;
+      sceneParameters_ = scene.parameters;
       ready.primitives = scene.primitiveCounts();
       ready.loadSeconds = watch.lap();
       session_->prepare(std::move(scene), ready.settings);
@@ -148,35 +150,69 @@ class Worker {
     return session_->compile(sources, KernelForm::edited);
   }
 
-  void render(const Job& job) {
-    Compiled compiled;
-    compiled.job = job_;
-    const Kernel kernel = compile(job.sources);
+  // The kernel of a version, compiled and checked: of one whose values alone have changed, the one at hand.
+  const Kernel& kernelOf(const Job& job, double& checkSeconds) {
+    const bool isSame = compiledFor_ == session_->access() &&
+                        std::equal(sources_.begin(), sources_.end(), job.sources.begin(), job.sources.end(),
+                                   [](const ShaderSource& a, const ShaderSource& b) {
+                                     return a.name == b.name && a.path == b.path && a.text == b.text;
+                                   });
+    if (isSame) {
+      kernel_.glslangSeconds = kernel_.optimiserSeconds = 0;
+      return kernel_;
+    }
+    compiledFor_.reset();
+    kernel_ = compile(job.sources);
     stopIfCancelled();
     Stopwatch watch;
     begin(Step::check);
     checkLayout(job.sources);
-    if (kernel.words != job.goodWords) checkKernel(kernel, job.sources, session_->access());
-    compiled.checkSeconds = watch.lap();
+    if (kernel_.words != job.goodWords) checkKernel(kernel_, job.sources, session_->access());
+    checkSeconds = watch.lap();
+    // What the compiler found elsewhere may change on its own.
+    const bool hasAll = std::all_of(kernel_.files.begin(), kernel_.files.end(), [&](const std::string& file) {
+      return std::any_of(job.sources.begin(), job.sources.end(),
+                         [&](const ShaderSource& source) { return source.path == file; });
+    });
+    sources_ = job.sources;
+    if (hasAll) compiledFor_ = session_->access();
+    return kernel_;
+  }
+
+  void render(const Job& job) {
+    Compiled compiled;
+    compiled.job = job_;
+    const Kernel& kernel = kernelOf(job, compiled.checkSeconds);
+    std::vector<Parameter> parameters = kernel.parameters;
+    std::vector<ParameterSetting> set = sceneParameters_;
+    set.insert(set.end(), job.parameters.begin(), job.parameters.end());
+    setParameters(parameters, set);
+    compiled.parameters = parameters;
     compiled.words = kernel.words;
     compiled.files = kernel.files;
+    compiled.warnings = kernel.warnings;
     compiled.glslangSeconds = kernel.glslangSeconds;
     compiled.optimiserSeconds = kernel.optimiserSeconds;
-    compiled.sameAsGood = job.goodHasScene && job.goodWords == kernel.words;
+    const bool sameWords = job.goodHasScene && job.goodWords == kernel.words;
+    compiled.sameAsGood = sameWords && job.goodParameters == compiled.parameters;
     report(compiled);
     if (compiled.sameAsGood) return;
 
-    const RenderSettings& settings = ready_.settings;
+    const RenderSettings settings = settings_ = RenderSession::withParameters(ready_.settings, parameters);
     session_->addFeaturesOf(kernel);
-    ShaderPicture coarse = session_->renderCoarse(kernel, settings, kCoarseStride, progressOf(Step::coarse));
-    throwIfInvalid();
-    reportPicture(true, std::move(coarse));
+    // Of values that are turned by hand the full picture is there as soon.
+    if (!sameWords || job.goodTrace > kShortTrace) {
+      ShaderPicture coarse = session_->renderCoarse(kernel, settings, kCoarseStride, progressOf(Step::coarse));
+      throwIfInvalid();
+      reportPicture(true, std::move(coarse));
+    }
     ShaderPicture picture = session_->render(kernel, settings, progressOf(Step::picture));
     throwIfInvalid();
     const bool isShort = picture.traceSeconds < kShortTrace;
     reportPicture(false, std::move(picture));
 
-    // The picture is there; what follows is about it.
+    // The picture is there; what follows is about it. Values come and go too fast for that.
+    if (sameWords) return;
     if (job.goodHasScene && !job.goodWords.empty() && isShort)
       compareTimes({.words = job.goodWords}, kernel, job.goodAdded);
     const Visits visits = session_->countVisits(kernel, settings, progressOf(Step::counting));
@@ -211,7 +247,7 @@ class Worker {
     std::vector<double> before, after, ratios;
     const auto trace = [&](const TimedKernel& kernel, std::vector<double>& times) {
       session_->setAddedFeatures(kernel.added);
-      times.push_back(session_->render(kernel.spirv, ready_.settings, progressOf(Step::timing)).traceSeconds);
+      times.push_back(session_->render(kernel.spirv, settings_, progressOf(Step::timing)).traceSeconds);
     };
     // An odd number, so that one of the pairs is the median.
     while (ratios.size() < kFewestPairs || ratios.size() % 2 == 0 ||
@@ -298,6 +334,12 @@ class Worker {
   Dispatching dispatching_;
   std::unique_ptr<RenderSession> session_;
   SceneReady ready_;
+  std::vector<ParameterSetting> sceneParameters_;
+  RenderSettings settings_;  // of the version in work, with its parameters
+  // The kernel that was compiled last, of what, and for which way of fetching: none if it may not serve again.
+  Kernel kernel_;
+  std::vector<ShaderSource> sources_;
+  std::optional<BufferAccess> compiledFor_;
   bool hasScene_ = false;  // on the device
   uint64_t job_ = 0;
   Step step_ = Step::open;

@@ -13,6 +13,7 @@ layout(std430, binding = kBindFound) writeonly buffer FoundBuffer { Word4 found[
 Frame frame;
 uvec4 nodesVisited, primitivesVisited;
 
+#include "../../../shaders/edited.glsl"
 #include "../../../shaders/buffer_access.glsl"
 #include "../../../shaders/scene.h"
 #include "../../../shaders/float_float.glsl"

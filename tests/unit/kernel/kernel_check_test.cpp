@@ -332,13 +332,13 @@ TEST(KernelCheck, AnInsertedMemberIsOneFault) {
 }
 
 TEST(KernelCheck, AMemberBehindTheHostsIsRefused) {
-  const std::vector<Edit> edits = {{"layout.h", "uvec4 addresses[6]; ", "uvec4 addresses[6]; uvec4 mine; "}};
+  const std::vector<Edit> edits = {{"layout.h", "uvec4 parameters[32];", "uvec4 parameters[32]; uvec4 mine;"}};
   EXPECT_THAT(complaintAbout(edits), AllOf(StartsWith(placeOf(edits, "layout.h", "mine;")),
-                                           HasSubstr("mine is at byte 224 of Frame here, where nothing begins")));
-  const std::vector<Edit> longer = {{"layout.h", "uvec4 addresses[6]; ", "uvec4 addresses[7]; "}};
+                                           HasSubstr("mine is at byte 768 of Frame here, where nothing begins")));
+  const std::vector<Edit> longer = {{"layout.h", "uvec4 parameters[32];", "uvec4 parameters[33];"}};
   EXPECT_THAT(complaintAbout(longer),
-              AllOf(StartsWith(placeOf(longer, "layout.h", "addresses[7]")),
-                    HasSubstr("addresses is a uvec4[7] here, but a uvec4[6] in the running turner")));
+              AllOf(StartsWith(placeOf(longer, "layout.h", "parameters[33]")),
+                    HasSubstr("parameters is a uvec4[33] here, but a uvec4[32] in the running turner")));
 }
 
 TEST(KernelCheck, AMemberOfAnotherTypeIsRefused) {

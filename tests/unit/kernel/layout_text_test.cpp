@@ -111,10 +111,10 @@ TEST(LayoutText, SwappedMembersAreRefused) {
 }
 
 TEST(LayoutText, AddedAndLostMembersAreRefused) {
-  EXPECT_THAT(afterEdit("uvec4 addresses[6];", "uvec4 addresses[6]; uvec4 mine;"),
+  EXPECT_THAT(afterEdit("uvec4 parameters[32];", "uvec4 parameters[32]; uvec4 mine;"),
               HasSubstr("struct Frame has 'uvec4 mine' here, but ends before it in the running turner"));
-  EXPECT_THAT(afterEdit("uint mediaLost;", ""),
-              HasSubstr("struct Status ends here, but has 'uint mediaLost' in the running turner"));
+  EXPECT_THAT(afterEdit("uint padding0, padding1, padding2;", ""),
+              HasSubstr("struct Status ends here, but has 'uint padding0' in the running turner"));
   EXPECT_THAT(afterEdit("uvec4 addresses[6];", "uvec4 addresses[7];"),
               HasSubstr("'uvec4 addresses[7]' here, but 'uvec4 addresses[6]' in"));
 }
