@@ -160,12 +160,13 @@ TURNER_CONST kStatePrimitives = 9u;  // primitives tested by each kind of ray
 TURNER_CONST kStateNodeStack = 10u;  // kMaxTreeDepth references, four in a word
 TURNER_CONST kStateFirstCone = 26u;  // of the cell list, where there are cones
 TURNER_CONST kStateRayStack = 27u;   // of each level from 2 on: two words, three where there are nested dielectrics
+TURNER_CONST kEditWords = 8u;        // of an edited kernel: behind all of these, for its global variables
 TURNER_CONST kMaxHiddenInterfaces = 65536u;  // that a ray may pass before its next hit
 
 #ifdef __cplusplus
 // Words of an invocation's state.
-inline constexpr uint stateWords(uint depth, bool nestedDielectrics) {
-  return kStateRayStack + (nestedDielectrics ? 3 : 2) * (depth - 1);
+inline constexpr uint stateWords(uint depth, bool nestedDielectrics, bool edited) {
+  return kStateRayStack + (nestedDielectrics ? 3 : 2) * (depth - 1) + (edited ? kEditWords : 0);
 }
 static_assert(sizeof(Word4) == 16);
 static_assert(sizeof(Frame) == 256 + 16 * kMostParameters);

@@ -32,8 +32,12 @@ TraversalState traversal;  // of the ray in hand, or of a shadow ray of its hit
 // Index of a word of this invocation's state: neighbours lie side by side.
 uint stateAt(const uint word) { return word * tile.slots + slot; }
 
+uint toWord(const bool value) { return uint(value); }
+uint toWord(const int value) { return uint(value); }
 uint toWord(const uint value) { return value; }
 uint toWord(const float value) { return floatBitsToUint(value); }
+void fromWord(const uint word, out bool value) { value = word != 0u; }
+void fromWord(const uint word, out int value) { value = int(word); }
 void fromWord(const uint word, out uint value) { value = word; }
 void fromWord(const uint word, out float value) { value = uintBitsToFloat(word); }
 
@@ -61,6 +65,19 @@ uint packedLevel;  // rayKind | level << 8 | top of the node stack << 16
   fromWord(kept.y, b);                \
   fromWord(kept.z, c);                \
   fromWord(kept.w, d);
+
+// Of an edit's global variables, which the host lists in EDIT_STATE; in main(), where all of them are declared.
+#ifdef EDITED
+uint editPadding;
+uint editWord(const uint i) { return kStateRayStack + (NESTED_DIELECTRICS ? 3u : 2u) * (DEPTH - 1u) + i; }
+#define SUSPEND_EDIT() EDIT_STATE(TURNER_SAVE)
+#define RESUME_EDIT() \
+  Word4 kept;         \
+  EDIT_STATE(TURNER_LOAD)
+#else
+#define SUSPEND_EDIT()
+#define RESUME_EDIT()
+#endif
 
 void loadNodeStack() {
   for (uint i = 0u; i < traversal.top; i += 4u) {

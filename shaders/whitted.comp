@@ -27,6 +27,7 @@ uvec4 raysSpawned, nodesVisited, primitivesVisited;
 #include "camera.glsl"
 #include "nested_dielectrics.glsl"
 #include "ray.glsl"
+#include "world.glsl"
 #include "primitives.glsl"
 #include "light_buffer.glsl"
 #include "tiles.glsl"
@@ -35,7 +36,6 @@ uvec4 raysSpawned, nodesVisited, primitivesVisited;
 #include "shade.glsl"
 #include "resume.glsl"
 #include "rays.glsl"
-#include "world.glsl"
 #include "hidden_interfaces.glsl"
 #include "canary.glsl"
 
@@ -134,7 +134,9 @@ void followRay(inout int budget) {
 
   if (phase == kNextLight || phase == kTraceShadow) {
     Surface surface = surfaceAt(currentRay, factors, hitT, hitPrimitive);
+#ifdef EDITED
     here = surface;
+#endif
     Material material = materialAt(surface.material);
     Crossing crossing = Crossing(uvec4(0u), false, vec2(1, 0));
     if (NESTED_DIELECTRICS) {
@@ -181,6 +183,7 @@ void main() {
     if (isMine) beginSample();
   } else {
     resumeWork();
+    RESUME_EDIT();
   }
   bool finishedBefore = phase == kDone;
 
@@ -197,7 +200,10 @@ void main() {
   if (!finishedBefore) {
     LACKS(Budget, phase != kDone && isAsKept());
     pixels[pixelAt] = packWord(sum / float(SAMPLES * SAMPLES), phase);
-    if (phase != kDone) suspendWork();
+    if (phase != kDone) {
+      suspendWork();
+      SUSPEND_EDIT();
+    }
   }
   TELL_LACKS();
   singCanary();

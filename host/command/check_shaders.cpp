@@ -1,5 +1,5 @@
-// `turner shaders --check DIR [SCENE]`: compile, validate and compare with the host's interface, for all ways in which a
-// device may fetch the scene. No device, no picture.
+// `turner shaders --check DIR [SCENE]`: compile, validate and compare with the host's interface, for all ways in which
+// a device may fetch the scene. No device, no picture.
 #include <algorithm>
 #include <string>
 #include <vector>
@@ -129,8 +129,7 @@ int checkShaders(const ShaderOptions& options) {
            use.location.line, use.location.column, nameOf(use));
     for (const std::string& note : result.notes) tell("{}\n", note);
     if (result.faults.empty())
-      tell("{}: sound; {}\n", options.check,
-           result.edited ? "edited" : "compiles to the same as turner's own sources");
+      tell("{}: sound; {}\n", options.check, result.edited ? "edited" : "compiles to the same as turner's own sources");
   }
   return result.faults.empty() ? 0 : 2;
 }

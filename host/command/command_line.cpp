@@ -212,9 +212,10 @@ void addWatch(CLI::App& app, WatchOptions& options, RenderOptions& render) {
       "watch", "Render a scene again whenever its files or the shaders change, and tell what the change did");
   addSceneAndOutputs(*command, render, false);
   addText(*command, "--keep", options.keep, "DIR", "Keep every version there: its sources, its picture, its figures");
-  addText(*command, "--params", options.params, "FILE",
-          "Values of the shaders' parameters as JSON, {\"softness\": 0.3}: a file that is followed, or - for lines from "
-          "standard input; they show without a compilation");
+  addText(
+      *command, "--params", options.params, "FILE",
+      "Values of the shaders' parameters as JSON, {\"softness\": 0.3}: a file that is followed, or - for lines from "
+      "standard input; they show without a compilation");
   // Beyond this the device itself is given up.
   addNumber(*command, "--timeout", options.timeout, 100,
             "Seconds that a piece of a picture may take before it is called an endless loop (default: 10)", 1);

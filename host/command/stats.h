@@ -27,7 +27,7 @@ struct Stats {
   std::string backend, geometry, access;
   PrimitiveCounts primitives;
   bool editedKernel = false;
-  std::vector<Parameter> parameters;        // of an edited kernel
+  std::vector<Parameter> parameters;       // of an edited kernel
   std::vector<std::string> addedFeatures;  // of an edited kernel, beyond what the scene needs
   RayCounts rays;
   Visits visits;  // of the shader: what its rays met

@@ -49,12 +49,12 @@ Progress tileProgress(const Progress& progress, size_t pixelsBefore, size_t pixe
 }
 
 // Pixels on a tile's side.
-int tileSide(const Device& device, const Dispatching& dispatching, const Features& features, int depth) {
+int tileSide(const Device& device, const Dispatching& dispatching, const Features& features, int depth, bool edited) {
   // A CPU wants its working set small; a GPU wants more invocations than it has lanes (17,000 on a large one).
   int side = dispatching.tile > 0 ? (dispatching.tile + 7) / 8 * 8 : device.isCpu() ? 128 : 512;
   const vk::DeviceSize most = std::min<vk::DeviceSize>(kStateBytes, device.limits().maxStorageBufferRange);
-  while (side > 8 && vk::DeviceSize(side) * vk::DeviceSize(side) * gpu::stateWords(uint(depth), features.dielectrics) *
-                             sizeof(gpu::Word4) >
+  while (side > 8 && vk::DeviceSize(side) * vk::DeviceSize(side) *
+                             gpu::stateWords(uint(depth), features.dielectrics, edited) * sizeof(gpu::Word4) >
                          most)
     side = std::max(8, side / 2 / 8 * 8);
   return side;
@@ -111,7 +111,7 @@ TilePasses::TilePasses(SceneOnDevice& scene, const Spirv& kernel, const RenderSe
 
 void TilePasses::makeBuffers(int stride) {
   const bool dielectrics = scene_.features.dielectrics;
-  const int side = tileSide(device_, dispatching_, scene_.features, settings_.depth);
+  const int side = tileSide(device_, dispatching_, scene_.features, settings_.depth, kernel_.edited);
   tiles_ = cutIntoTiles(settings_.crop, stride, side);
   uint slots = 0, area = 0;
   for (const gpu::Tile& tile : tiles_) {
@@ -125,7 +125,8 @@ void TilePasses::makeBuffers(int stride) {
   }
   frame_ = device_.upload(std::as_bytes(std::span(&frame, 1)), "frame");
   state_ = device_.storageBuffer(
-      vk::DeviceSize(slots) * gpu::stateWords(uint(settings_.depth), dielectrics) * sizeof(gpu::Word4), "state");
+      vk::DeviceSize(slots) * gpu::stateWords(uint(settings_.depth), dielectrics, kernel_.edited) * sizeof(gpu::Word4),
+      "state");
   pixels_ = device_.storageBuffer(vk::DeviceSize(area) * sizeof(gpu::Word4), "pixels");
   status_ = device_.storageBuffer(sizeof(gpu::Status), "status");
   hostStatus_ = device_.hostBuffer(sizeof(gpu::Status), "status on the host");

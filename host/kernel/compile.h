@@ -14,6 +14,7 @@ struct Spirv {
   std::vector<uint32_t> words;
   std::vector<std::string> files;                   // read on the way: the shader first, then its includes in order
   std::string warnings;                             // the compiler's, a line "file:line: warning: ..." for each
+  bool edited = false;                              // it keeps kEditWords more of state (layout.h)
   double glslangSeconds = 0, optimiserSeconds = 0;  // 0 where it was compiled before
 };
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "kernel/kept_globals.h"
 #include "kernel/kernel_check.h"
 #include "kernel/layout_text.h"
 #include "kernel/shipped_shaders.h"
@@ -11,12 +12,12 @@
 namespace turner {
 namespace {
 
-std::string editedPreamble(BufferAccess access) {
-  return accessPreamble(access) + "#define EDITED\n";
+std::string editedPreamble(const std::vector<ShaderSource>& sources, BufferAccess access) {
+  return accessPreamble(access) + "#define EDITED\n" + keptGlobalsPreamble(shippedShaders(), sources);
 }
 
 Kernel compileUnedited(const std::vector<ShaderSource>& sources, BufferAccess access) {
-  return {compileGlsl(sources, accessPreamble(access)), false, {}, {}};
+  return {compileGlsl(sources, accessPreamble(access)), {}, {}};
 }
 
 }  // namespace
@@ -25,9 +26,10 @@ Kernel compileKernel(const std::vector<ShaderSource>& sources, BufferAccess acce
   const bool asNeeded = form == KernelForm::asNeeded;
   if (asNeeded && areShipped(sources)) return compileUnedited(sources, access);
   ParameterisedSources parameterised = readParameters(sources);
-  Kernel kernel{compileGlsl(parameterised.sources, editedPreamble(access)), true, {}, {}};
+  Kernel kernel{compileGlsl(parameterised.sources, editedPreamble(sources, access)), {}, {}};
+  kernel.edited = true;
   if (asNeeded) {
-    if (kernel.words == compileGlsl(shippedShaders(), editedPreamble(access)).words)
+    if (kernel.words == compileGlsl(shippedShaders(), editedPreamble(shippedShaders(), access)).words)
       return compileUnedited(sources, access);
     checkLayout(sources);
     checkKernel(kernel, sources, access);

@@ -18,13 +18,12 @@ enum class KernelForm {
 };
 
 struct Kernel : Spirv {
-  bool edited = false;           // it was compiled with EDITED defined
-  std::vector<FeatureUse> uses;  // of an edited one, where it was edited
+  std::vector<FeatureUse> uses;       // of an edited one, where it was edited
   std::vector<Parameter> parameters;  // with their defaults
 };
 
-// Throws InputError with the compiler's first error, or with what is wrong with the declarations of parameters; for KernelForm::asNeeded also with what checkLayout() and
-// checkKernel() have against an edited kernel.
+// Throws InputError with the compiler's first error, or with what is wrong with the declarations of parameters; for
+// KernelForm::asNeeded also with what checkLayout() and checkKernel() have against an edited kernel.
 Kernel compileKernel(const std::vector<ShaderSource>& sources, BufferAccess access, KernelForm form);
 
 }  // namespace turner

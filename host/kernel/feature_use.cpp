@@ -40,7 +40,9 @@ class Reader {
     for (size_t i = 0; i < tokens.size(); ++i) {
       const std::string_view text = tokens[i].text;
       if (tokens[i].kind == GlslKind::directive) {
-        note(i, i + 1, 0);
+        Set set = 0;
+        for (const GlslToken& word : readGlslTokens(text.substr(1))) set |= featureOf(word.text);
+        note(i, i + 1, set);
         begin_ = i + 1;
         continue;
       }
@@ -99,7 +101,7 @@ class Reader {
 
   // These tokens are about the features; if one was edited, they are used.
   void note(size_t begin, size_t end, Set set) {
-    if (set == 0 || !file_.isChanged(begin, end)) return;
+    if (set == 0 || !(file_.isChanged(begin, end) || file_.isCutBefore(begin))) return;
     for (; set != 0; set &= set - 1) {
       const uint32_t constant = uint32_t(std::countr_zero(set));
       const bool known =

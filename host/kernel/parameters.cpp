@@ -51,9 +51,7 @@ std::string joined(const Parameter& parameter, std::string_view between) {
 
 // What is wrong with a value; empty if it fits.
 std::string faultOf(const Parameter& parameter, double value) {
-  const auto out = [&](const std::string& allowed) {
-    return fmt::format("found {:.9g}; must be {}", value, allowed);
-  };
+  const auto out = [&](const std::string& allowed) { return fmt::format("found {:.9g}; must be {}", value, allowed); };
   const bool isWhole = std::floor(value) == value;
   if (parameter.type == ParameterType::integer && !(isWhole && std::abs(value) <= 2147483647.0))
     return out("a whole number from -2147483647 to 2147483647");
@@ -198,7 +196,8 @@ class Declarations {
       if (!readNumber(least) || !is(",")) return form;
       ++at_;
       if (!readNumber(most)) return form;
-      if (least > most) return fmt::format("{}: the range is from {:g} to {:g}; the lesser comes first", parameter.name, least, most);
+      if (least > most)
+        return fmt::format("{}: the range is from {:g} to {:g}; the lesser comes first", parameter.name, least, most);
       parameter.least = least;
       parameter.most = most;
     }
@@ -291,7 +290,8 @@ void setParameters(std::vector<Parameter>& parameters, std::span<const Parameter
 ParameterSetting parseSetting(const std::string& text, const std::string& place) {
   const size_t equals = text.find('=');
   const auto refuse = [&] {
-    throw InputError(place + ": found '" + text + "'; must be NAME=VALUE, such as softness=0.3, tint=1,0.5,0 or on=true");
+    throw InputError(place + ": found '" + text +
+                     "'; must be NAME=VALUE, such as softness=0.3, tint=1,0.5,0 or on=true");
   };
   if (equals == std::string::npos || equals == 0 || equals + 1 == text.size()) refuse();
   ParameterSetting setting{text.substr(0, equals), {}, false, place + ' ' + text};

@@ -46,11 +46,12 @@ struct ParameterisedSources {
 // Throws InputError with a line for each declaration that is wrong.
 ParameterisedSources readParameters(const std::vector<ShaderSource>& sources);
 
-// Sets values by name, the later ones last. Throws InputError with a line for each setting of an unknown name, of another
-// type, or out of range; the parameters are then as before.
+// Sets values by name, the later ones last. Throws InputError with a line for each setting of an unknown name, of
+// another type, or out of range; the parameters are then as before.
 void setParameters(std::vector<Parameter>& parameters, std::span<const ParameterSetting> settings);
 
-// "softness=0.3", as --set takes it: numbers with commas between, true or false. Throws InputError if it is no such thing.
+// "softness=0.3", as --set takes it: numbers with commas between, true or false. Throws InputError if it is no such
+// thing.
 ParameterSetting parseSetting(const std::string& text, const std::string& place);
 
 // Words for the kernel, one for each in the order of their declarations (Frame::parameters of layout.h).

@@ -71,6 +71,13 @@ size_t EditedFile::lineOf(size_t token) const {
   return size_t(found - lines.begin());
 }
 
+bool EditedFile::isCutBefore(size_t token) const {
+  if (token >= tokens.size()) return false;
+  return std::any_of(changes.begin(), changes.end(), [at = lineOf(token)](const LineChange& change) {
+    return change.first == change.end && change.first == at;
+  });
+}
+
 bool EditedFile::isChanged(size_t begin, size_t end) const {
   if (begin >= end) return false;
   const size_t first = lineOf(begin), last = lineOf(end - 1);

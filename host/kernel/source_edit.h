@@ -30,6 +30,8 @@ struct EditedFile {
 
   // Is there a change in the lines of the tokens [begin, end)?
   bool isChanged(size_t begin, size_t end) const;
+  // Were lines taken out before the one of this token?
+  bool isCutBefore(size_t token) const;
 
  private:
   size_t lineOf(size_t token) const;

@@ -16,11 +16,11 @@
 namespace turner::watch {
 
 struct WatchPlan {
-  std::string scene;                 // path
-  std::string shaders;               // folder of whitted.comp
-  std::vector<std::string> outputs;  // .exr and .png; written anew at each version
-  std::string keep;                  // folder of all versions; empty: none is kept
-  double timeout = 10;               // seconds that a piece of work may last
+  std::string scene;                         // path
+  std::string shaders;                       // folder of whitted.comp
+  std::vector<std::string> outputs;          // .exr and .png; written anew at each version
+  std::string keep;                          // folder of all versions; empty: none is kept
+  double timeout = 10;                       // seconds that a piece of work may last
   std::vector<ParameterSetting> parameters;  // of the command line
   std::string params;                        // file of settings that is followed, "-": standard input; empty: none
 

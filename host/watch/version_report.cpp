@@ -77,7 +77,7 @@ std::string raysLine(const VersionReport& report) {
 
 std::string featuresText(const VersionReport& report) {
   std::string text;
-  for (const std::string& told : report.features) text += line("kernel", told);
+  for (const std::string& told : report.news) text += line("kernel", told);
   if (report.timing && report.timing->featuresRatio > 0)
     text += line("kernel", fmt::format("version {} takes {:.2f} x its time with what was added", *report.lastGood,
                                        report.timing->featuresRatio));
@@ -126,8 +126,7 @@ std::string referenceText(const Comparison& c) {
 std::string versionReportText(const VersionReport& report) {
   return report.warnings + compileLine(report) + (report.sameCode ? "" : traceLine(report)) + pictureLine(report) +
          (report.toReference ? referenceText(*report.toReference) : "") + raysLine(report) + parametersLine(report) +
-         codeLine(report) +
-         featuresText(report) + (report.kept.empty() ? "" : line("kept", report.kept));
+         codeLine(report) + featuresText(report) + (report.kept.empty() ? "" : line("kept", report.kept));
 }
 
 std::string versionReportJson(const VersionReport& report) {
@@ -194,7 +193,7 @@ void putVersionReport(JsonWriter& json, const VersionReport& report) {
                                 ? std::optional(report.timing->featuresRatio)
                                 : std::nullopt);
     json.array("notes", [&] {
-      for (const std::string& told : report.features) json.put(told);
+      for (const std::string& told : report.news) json.put(told);
     });
     json.put("warnings", report.warnings);
   });

@@ -38,7 +38,8 @@ struct VersionReport {
   std::string warnings;               // the compiler's, a line for each
   std::vector<Parameter> parameters;  // with their values
   uint32_t added = 0;                 // what the kernel has beyond the scene's needs (gpu/kernel_features.h)
-  std::vector<std::string> features;  // what is to be told of that, where it is news
+  std::vector<std::string> features;  // what there is to tell of that
+  std::vector<std::string> news;      // of these lines, those that the last good version had not
   std::string kept;                   // folder
 
   // Of the trace's time to the last good version's.

@@ -182,6 +182,7 @@ void Versions::apply(const Compiled& compiled) {
   report.rays = good_->report.rays;
   report.trace = good_->report.trace;
   report.added = good_->report.added;
+  report.features = good_->report.features;
   takePicture(good_->image);
 }
 
@@ -199,7 +200,13 @@ void Versions::apply(Picture picture) {
   report.trace = picture.traceSeconds;
   report.readback = picture.readbackSeconds;
   report.added = picture.added;
-  if (!good_ || report.sceneChanged || good_->report.added != picture.added) report.features = picture.features;
+  report.features = picture.features;
+  for (const std::string& line : report.features) {
+    const auto isKnown = [&](const std::vector<std::string>& known) {
+      return std::find(known.begin(), known.end(), line) != known.end();
+    };
+    if (!good_ || !isKnown(good_->report.features)) report.news.push_back(line);
+  }
   takePicture(std::move(picture.image));
 }
 

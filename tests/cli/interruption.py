@@ -118,15 +118,16 @@ class Interruption(Command):
                     self.interrupt(process, end, before, "")
 
     def test_ctrl_c_ends_the_counting_of_rays(self):
-        # Counting begins where tracing ends its line, and takes as long again. Ctrl-C may take less, but so much that a
+        # Counting begins where tracing wipes its line, and takes as long again. Ctrl-C may take less, but so much that a
         # driver that compiles the counting kernel first has time for that.
         size = ["--width", "80", "--height", "60", "--samples", "40", "-o", "out.exr", "--stats", "stats.json"]
         before = self.snapshot()
         with self.started("render", SCENES / "spheres.json", *size, terminal=True) as (process, end):
             start = time.monotonic()
-            text = self.read_until(end, r"tracing: .*\n", 3 * TIMEOUT)
+            text = self.read_until(end, r"tracing: .*\r +\r", 3 * TIMEOUT)
             took = time.monotonic() - start
-            self.assertRegex(text, r"tracing: .*\n")
+            self.assertRegex(text, r"tracing: .*\r +\r")
+            self.assertNotIn("\n", text, "nothing of it stays")
             time.sleep(0.2)
             self.interrupt(process, end, before, text, most=0.6 * took)
 

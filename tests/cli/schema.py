@@ -21,6 +21,7 @@ GOOD = {
     "height": 48,
     "camera": {"eye": [0, 0, 5], "target": [0, 0, 0], "up": [0, 1, 0], "fov": 40},
     "lights": [{"position": [0, 5, 0], "color": [1, 1, 1], "falloff": "inverse-square"}],
+    "params": {"softness": 0.3, "tint": [1, 0.5, 0], "on": True},
     "materials": {"clay": {"diffuse": [1, 1, 1], "specular": [0.1, 0.1, 0.1], "shininess": 9, "reflect": 0.2,
                            "transmit": 0.3, "ior": 1.5}},
     "spheres": [{"center": [0, 0, 0], "radius": 1, "material": "clay"}],
@@ -34,6 +35,8 @@ GOOD = {
 BROKEN = [
     (["camra"], {}),
     (["background"], [0, 0]),
+    (["params", "softness"], "0.3"),
+    (["params", "tint"], [1, 2, 3, 4, 5]),
     (["background"], [0, 0, -1]),
     (["depth"], 0),
     (["depth"], 65),

@@ -1,5 +1,6 @@
 """Shaders with faults."""
 
+import json
 import shutil
 
 from support.command import TINY, Command
@@ -28,6 +29,49 @@ class Shaders(Command):
         args = ["scene.json", *TINY, "--shaders", "kernel"]
         self.refuse("compare", *args, faults=faults, says=says, **options)
         return self.refuse("render", *args, "-o", "out.exr", faults=faults, says=says, **options)
+
+    def test_check_takes_what_is_sound(self):
+        run = self.do("shaders", "--check", "kernel")
+        self.assertIn("kernel: sound; compiles to the same as turner's own sources", run.out)
+        self.edit("shade.glsl", lambda lines: lines.append("float mine() { return 1.0; }"))
+        self.edit("whitted.comp", lambda lines: lines.insert(self.line_of("whitted.comp", "void addLight(") , "  LACKS(Lights, mine() > 2.0);"))
+        run = self.do("shaders", "--check", "kernel", SCENES / "diffuse.json")
+        self.assertIn("kernel: sound; edited", run.out)
+        self.assertIn("REFLECTION is compiled out: no material of this scene reflects", run.out)
+        result = json.loads(self.do("shaders", "--check", "kernel", "--json").out)
+        self.assertEqual((result["sound"], result["edited"], result["diagnoses"]), (True, True, []))
+
+    def test_check_refuses_what_is_not(self):
+        place = self.line_of("shade.glsl", "float q = 0.5")
+        self.edit("shade.glsl", lambda lines: lines.__setitem__(place - 1, lines[place - 1].replace("0.5", "oops")))
+        run = self.run_turner("shaders", "--check", "kernel", "--json")
+        self.assertEqual(run.code, 2, run)
+        self.assertRegex(run.err, rf"^kernel/shade\.glsl:{place}:15: error: .*oops")
+        result = json.loads(run.out)
+        self.assertFalse(result["sound"])
+        self.assertEqual([(d["file"], d["line"], d["column"]) for d in result["diagnoses"]], [("kernel/shade.glsl", place, 15)])
+        # What no compiler sees.
+        self.edit("shade.glsl", lambda lines: lines.__setitem__(place - 1, lines[place - 1].replace("oops", "0.5")))
+        self.edit("layout.h", lambda lines: lines.__setitem__(slice(None), [line.replace("kGrid = 0u", "kGrid = 1u") for line in lines]))
+        self.refuse("shaders", "--check", "kernel", faults=None, says="kGrid is 1u here, but 0u")
+
+    def test_check_shows_warnings(self):
+        place = self.line_of("whitted.comp", "#extension GL_GOOGLE")
+        self.edit("whitted.comp", lambda lines: lines.insert(place, "#extension GL_TURNER_no_such_thing : warn"))
+        run = self.do("shaders", "--check", "kernel")
+        self.assertRegex(run.out, r"kernel/whitted\.comp:\d+: warning: .*no_such_thing")
+        # They are told each time, though the kernel might be found in the cache.
+        for _ in range(2):
+            run = self.do("render", "scene.json", *TINY, "--shaders", "kernel", "-o", "out.exr")
+            self.assertIn(": warning: ", run.out)
+
+    def test_check_and_copy_do_not_mix(self):
+        for args in ([], ["--check", "kernel", "--copy", "new"], ["--copy", "new", "--json"], ["--copy", "new", "scene.json"]):
+            self.refuse("shaders", *args, says="--check DIR")
+
+    def test_a_folder_of_another_version_is_refused_by_render(self):
+        self.edit("layout.h", lambda lines: lines.__setitem__(slice(None), [line.replace("kGrid = 0u", "kGrid = 1u") for line in lines]))
+        self.refuse_kernel(faults=None, says="kGrid is 1u here, but 0u")
 
     def test_a_fault_in_an_include_is_placed_there_in_one_line(self):
         # A line of its own behind the first function's opening brace.

@@ -94,10 +94,7 @@ void SceneReader::read() {
         [&](size_t at, const Field& field) {
           fields_.readArray(at, field, [&](size_t light, const Field& name) { readLight(light, name); });
         }},
-       {"params", false,
-        [&](size_t at, const Field& field) {
-          readSettings(fields_, at, field, scene_.parameters);
-        }},
+       {"params", false, [&](size_t at, const Field& field) { readSettings(fields_, at, field, scene_.parameters); }},
        {"materials", false, keep(materials)},
        {"spheres", false, keep(spheres)},
        {"cones", false, keep(cones)},

@@ -1,5 +1,5 @@
-// Values of parameters that change while a scene is watched: those of a file that is followed, or of lines from standard
-// input. Times are seconds of the caller's clock.
+// Values of parameters that change while a scene is watched: those of a file that is followed, or of lines from
+// standard input. Times are seconds of the caller's clock.
 #pragma once
 
 #include <string>
@@ -12,8 +12,8 @@ namespace turner::watch {
 
 class FollowedSettings {
  public:
-  // A file with an object of settings (scene/json/settings_json.h); "-": each line of standard input has one, which adds to
-  // those before; empty: there are none. Throws InputError where the file cannot be read, or is wrong.
+  // A file with an object of settings (scene/json/settings_json.h); "-": each line of standard input has one, which
+  // adds to those before; empty: there are none. Throws InputError where the file cannot be read, or is wrong.
   explicit FollowedSettings(const std::string& file);
 
   // Whether they have changed.
@@ -37,10 +37,10 @@ class FollowedSettings {
   std::vector<ParameterSetting> settings_;
   double changedAt_ = 0, lookAgainAt_ = 0;
   std::string fault_;
-  std::string faultyText_;    // of a file, which may have been read in the middle of a save
+  std::string faultyText_;  // of a file, which may have been read in the middle of a save
   bool isFaulty_ = false;
-  std::string line_;          // of standard input, not yet ended
-  bool isOpen_ = true;        // standard input
+  std::string line_;    // of standard input, not yet ended
+  bool isOpen_ = true;  // standard input
 };
 
 }  // namespace turner::watch

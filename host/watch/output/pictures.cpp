@@ -14,8 +14,8 @@ namespace turner::watch {
 namespace {
 
 Provenance provenanceOf(const SceneReady& scene) {
-  Provenance provenance = makeProvenance(scene.summary, scene.settings, "--backend shader --geometry rounded",
-                                         scene.device, scene.driver);
+  Provenance provenance =
+      makeProvenance(scene.summary, scene.settings, "--backend shader --geometry rounded", scene.device, scene.driver);
   if (!scene.parameters.empty()) provenance.strings.emplace_back("turner:params", scene.parameters);
   return provenance;
 }

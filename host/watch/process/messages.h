@@ -48,8 +48,8 @@ struct Job {
   template <class Bytes>
   void fields(Bytes& b) {
     uint64_t count = sources.size();
-    b(number, purpose, sceneEpoch, reloadScene, hung, goodWords, goodHasScene, goodAdded, parameters,
-      goodParameters, goodTrace, count);
+    b(number, purpose, sceneEpoch, reloadScene, hung, goodWords, goodHasScene, goodAdded, parameters, goodParameters,
+      goodTrace, count);
     sources.resize(count);
     for (ShaderSource& source : sources) b(source.name, source.path, source.text);
   }
@@ -97,7 +97,7 @@ struct Compiled {
   uint64_t job = 0;
   std::vector<uint32_t> words;
   std::vector<std::string> files;
-  std::string warnings;  // the compiler's, a line for each
+  std::string warnings;               // the compiler's, a line for each
   std::vector<Parameter> parameters;  // with their values
   double glslangSeconds = 0, optimiserSeconds = 0, checkSeconds = 0;
   // The last good kernel's words, of the same scene and with the same values: no picture follows, it would be the same.

@@ -214,7 +214,7 @@ class Worker {
     // The picture is there; what follows is about it. Values come and go too fast for that.
     if (sameWords) return;
     if (job.goodHasScene && !job.goodWords.empty() && isShort)
-      compareTimes({.words = job.goodWords}, kernel, job.goodAdded);
+      compareTimes({.words = job.goodWords, .edited = true}, kernel, job.goodAdded);
     const Visits visits = session_->countVisits(kernel, settings, progressOf(Step::counting));
     throwIfInvalid();
     report(Counted{job_, visits.rays});

@@ -64,8 +64,7 @@ Replacement edit(const std::string& file, const std::string& from, const std::st
 
 // Renders with an edit and compares with its twin.
 template <class EditTwin>
-std::vector<std::string> expectRight(const std::string& name, const std::vector<Replacement>& edits, int depth = 0) {
-  const Scene scene = sceneNamed(name);
+std::vector<std::string> expectRight(const Scene& scene, const std::vector<Replacement>& edits, int depth = 0) {
   RenderSettings settings = settingsOfHeight(scene, 96);
   if (depth > 0) settings.depth = depth;
   const EditedPicture picture = render(scene, settings, edits);
@@ -74,6 +73,10 @@ std::vector<std::string> expectRight(const std::string& name, const std::vector<
   EXPECT_GT(comparison.offEdges, 0.8);
   EXPECT_LE(comparison.p99, 1e-5);
   return picture.added;
+}
+template <class EditTwin>
+std::vector<std::string> expectRight(const std::string& name, const std::vector<Replacement>& edits, int depth = 0) {
+  return expectRight<EditTwin>(sceneNamed(name), edits, depth);
 }
 
 std::string refusalOf(const std::string& name, const std::vector<Replacement>& edits) {
@@ -349,6 +352,122 @@ TEST(Edits, anEarlyReturn) {
   EXPECT_THAT(refusalOf("shadows", {edit("whitted.comp", "  Light light = lightAt(lightIndex);\n",
                                          "  if (lightIndex == 1u) return;\n  Light light = lightAt(lightIndex);\n")}),
               HasSubstr("does not come to an end"));
+}
+
+// --- the scene's own units -------------------------------------------------------------------------------------------
+
+// Squares of half a unit, which stand still in the scene. Frame and cell come from the test, since the twin has none.
+struct Checker : Twin {
+  using Twin::Twin;
+  static LocalFrame frame;
+  Material materialOf(const TwinHit& hit, const TwinPath& path) const override {
+    Material material = Twin::materialOf(hit, path);
+    const dvec3 world = frame.origin + hit.point / frame.scale;
+    const double sum = std::floor(world.x / 0.5) + std::floor(world.z / 0.5);
+    if (std::fmod(sum, 2) != 0) material.diffuse *= 0.25;
+    return material;
+  }
+};
+LocalFrame Checker::frame;
+
+const std::vector<Replacement> kChecker = {
+    edit("whitted.comp", kMaterial,
+         kMaterial + "    vec3 within;\n"
+                     "    vec3 cell = worldCell(surface, 0.5, within);\n"
+                     "    if (isOdd(vec3(cell.x, 0.0, cell.z))) material.diffuse *= 0.25;\n")};
+
+void moveBy(Scene& scene, const dvec3& way) {
+  scene.camera.eye += way;
+  scene.camera.target += way;
+  for (Light& light : scene.lights) light.position += way;
+  for (Sphere& sphere : scene.spheres) sphere.center += way;
+  for (dvec3& position : scene.positions) position += way;
+}
+
+TEST(Edits, aCheckerInTheScenesUnits) {
+  // At its place, and 1e6 units away, where float32 has steps of a 16th.
+  for (const dvec3 way : {dvec3(0.1, 0, 0.2), dvec3(1e6, 10, -1e6)}) {
+    Scene scene = sceneNamed("diffuse");
+    moveBy(scene, way);
+    Checker::frame = localFrame(scene.camera);
+    expectRight<Checker>(scene, kChecker);
+  }
+}
+
+// A student's own law of distance.
+struct InverseSquare : Twin {
+  using Twin::Twin;
+  std::vector<Light> lightsOf(const TwinHit& hit, const TwinPath& path) const override {
+    std::vector<Light> lights = Twin::lightsOf(hit, path);
+    for (Light& light : lights) {
+      const double distance = glm::length(light.position - hit.point) / Checker::frame.scale;
+      light.color *= 30 / (distance * distance);
+    }
+    return lights;
+  }
+};
+
+TEST(Edits, aFallOffInTheScenesUnits) {
+  const Scene scene = sceneNamed("diffuse");
+  Checker::frame = localFrame(scene.camera);
+  ASSERT_NE(Checker::frame.scale, 1);
+  expectRight<InverseSquare>(scene,
+                             {edit("shade.glsl", "  // Scaled first: the square of a distance of 1e-23 would be 0.\n",
+                                   "  float d = worldDistance(length(toward));\n  E *= 30.0 / (d * d);\n")});
+}
+
+TEST(Edits, pointsGoToTheScenesUnitsAndBack) {
+  Scene scene = sceneNamed("diffuse");
+  moveBy(scene, {1e6, 0, 0});
+  const dvec3 eye = scene.camera.eye;
+  const EditedPicture picture =
+      render(scene, settingsOfHeight(scene, 16),
+             {edit("whitted.comp", "    pixels[pixelAt] = packWord(sum / float(SAMPLES * SAMPLES), phase);\n",
+                   "    vec3 rest, there = worldPoint(vec3(0), rest);\n"
+                   "    sum = vec3(there.x, rest.x, localPoint(there).x + localDistance(worldDistance(2.0)));\n"
+                   "    pixels[pixelAt] = packWord(sum, phase);\n")});
+  const double rest = eye.x - double(float(eye.x));
+  EXPECT_EQ(picture.image.rgb[0], float(eye.x));
+  EXPECT_EQ(picture.image.rgb[1], float(rest));
+  EXPECT_NEAR(picture.image.rgb[2], 2 - rest * localFrame(scene.camera).scale, 1e-6);
+}
+
+// --- what an edit keeps ---------------------------------------------------------------------------------------------
+
+// A global variable of the edit lives as long as its pixel, into however many dispatches its work is cut.
+TEST(Edits, aGlobalVariableIsKept) {
+  const Scene scene = sceneNamed("glass");
+  const RenderSettings settings = settingsOfHeight(scene, 24);
+  const ShaderVariant variant(std::vector{
+      edit("whitted.comp", "// The nearest hit of the ray in hand,",
+           "vec3 seen = vec3(0);\nuint hits, deepest = 0u;\n// The nearest hit of the ray in hand,"),
+      edit("whitted.comp", "  float r = material.reflectance, t = material.transmittance;\n",
+           "  float r = material.reflectance, t = material.transmittance;\n"
+           "  seen += weight * material.diffuse;\n  ++hits;\n  deepest = max(deepest, level);\n"),
+      edit("whitted.comp", "    pixels[pixelAt] = packWord(sum / float(SAMPLES * SAMPLES), phase);\n",
+           "    if (phase == kDone) sum = vec3(seen.x, float(hits), float(deepest));\n"
+           "    pixels[pixelAt] = packWord(sum, phase);\n"),
+  });
+  std::vector<Image> images;
+  for (const uint32_t budget : {0u, kLeastBudget}) {
+    RenderSession cut(chooseDevice(listDevices(), wantedDevice()), BufferAccess::automatic, {.budget = budget});
+    cut.prepare(scene, settings);
+    const Kernel kernel =
+        cut.compile(readShaderSources(variant.folder() + "/shaders/whitted.comp"), KernelForm::asNeeded);
+    cut.upload();
+    cut.addFeaturesOf(kernel);
+    images.push_back(cut.render(kernel, settings, {}).image);
+  }
+  EXPECT_EQ(images[0].rgb, images[1].rgb);
+  float most = 0;
+  for (size_t i = 2; i < images[0].rgb.size(); i += 3) most = std::max(most, images[0].rgb[i]);
+  EXPECT_EQ(most, float(settings.depth));
+}
+
+TEST(Edits, anArrayThatIsNotKeptIsRefused) {
+  EXPECT_THAT(refusalOf("diffuse", {edit("whitted.comp", "// The nearest hit of the ray in hand,",
+                                         "float mine[4];\n// The nearest hit of the ray in hand,")}),
+              HasSubstr("mine is an array, which is not kept"));
 }
 
 // --- what is edited, and what not ------------------------------------------------------------------------------------
