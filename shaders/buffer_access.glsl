@@ -2,7 +2,7 @@
 //   kAccessTexelBuffer     storage texel buffers: lavapipe 22.3 inlines these loads and loops over the lanes for all others
 //   kAccessStorageBuffer   storage buffers: what every device has
 //   kAccessDeviceAddress   buffer device addresses: no descriptors, no limit on a buffer's size
-// WORD4(name, i) is word i of the named array in each of them; scene.h alone uses it.
+// WORD4(name, i) is word i of the named array in each of them; scene.h uses it, and what must not be edited.
 #define kAccessTexelBuffer 0
 #define kAccessStorageBuffer 1
 #define kAccessDeviceAddress 2

@@ -50,17 +50,18 @@ Ray trueStart(const Ray ray) {
 // Whether a direction from the eye is one of this invocation's pixel: the eye's lists have what such rays can hit. With
 // room for the rounding of the pixel's place.
 bool isThroughPixel(const vec3 direction) {
-  vec3 centre = frame.centreHi, right = frame.rightHi, down = frame.downHi;
+  // From memory: what is in registers may be edited.
+  vec3 centre = frameInMemory.centreHi, right = frameInMemory.rightHi, down = frameInMemory.downHi;
   float depth = dot(direction, centre) / dot(centre, centre);
   vec2 place = vec2(dot(direction, right) / dot(right, right), dot(direction, down) / dot(down, down)) / depth;
-  vec2 size = vec2(ivec2(int(frame.width), int(frame.height)));
+  vec2 size = vec2(ivec2(int(frameInMemory.width), int(frameInMemory.height)));
   vec2 fromMiddle = abs(place + 0.5 * size - vec2(ivec2(pixel)) - 0.5);
   return depth > 0.0 && max(fromMiddle.x, fromMiddle.y) <= 0.5 + 1e-6 * max(size.x, size.y);
 }
 
-// Whether a ray ends at a light, as the rays do that its lists are made for.
+// Whether a ray ends at a light, as the rays do that its lists are made for: where the scene has it.
 bool endsAt(const Ray ray, const uint light) {
-  precise vec3 toward = lightAt(light).position - ray.origin;
+  precise vec3 toward = xyz(WORD4(lights, kLightWords * light)) - ray.origin;
   return all(equal(toward, ray.direction));
 }
 #endif

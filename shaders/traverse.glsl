@@ -76,7 +76,7 @@ TraversalState checkedStart(const Ray ray, const RayFactors factors, const bool 
   LACKS(NearestNodes, needsTree && !anyHit && !visitsNodes);
   LACKS(ShadowNodes, needsTree && anyHit && !visitsNodes);
   // Where the tree is compiled out, nothing: the picture will be traced anew.
-  uint first = !needsTree ? kRefNext : visitsNodes ? frame.root : kRefNone;
+  uint first = !needsTree ? kRefNext : visitsNodes ? frameInMemory.root : kRefNone;
   if (needsTree) list = kNoList;
   return startAt(first, asked.tMax, list);
 }
@@ -293,8 +293,13 @@ void traverse(const Ray given, const RayFactors factors, const bool anyHit, cons
   reach *= 1.0 + 1.0 / 262144.0;
   Ray ray = given;
 #ifdef EDITED
-  if (anyHit) ray = trueStart(given);
+  ray = trueStart(given);
   if (traversal.next == kRefBegin) traversal = checkedStart(ray, factors, anyHit, visitsNodes, traversal);
+  // Begun at a node or a leaf by hand. (The second triangle of a pair in a list has other bits.)
+  bool isInTree =
+      traversal.next <= kRefOffsetMask || ((traversal.next & kRefLeaf) != 0u && traversal.next < kRefBegin);
+  LACKS(NearestNodes, !visitsNodes && isInTree && !anyHit);
+  LACKS(ShadowNodes, !visitsNodes && isInTree && anyHit);
 #endif
   if (visitsNodes)
     traverseTree(ray, factors, anyHit, kind, reach, traversal, budget);

@@ -59,9 +59,14 @@ UploadedScene::UploadedScene(Scene scene, const RenderSettings& settings, const 
 Image UploadedScene::render(const RenderSettings& settings, const char* what) {
   ProgressLine progress(what, sampleCount(settings), quiet_);
   const RenderSettings all = RenderSession::withParameters(settings, kernel_.parameters);
-  Image image = session_.render(kernel_, all, std::ref(progress)).image;
-  tellFeatures(settings);
-  return image;
+  try {
+    Image image = session_.render(kernel_, all, std::ref(progress)).image;
+    tellFeatures(settings);
+    return image;
+  } catch (const UntrueKernel& untrue) {
+    if (kernel_.edited) throw InputError(untrue.what());  // the user's, not the machine's
+    throw;
+  }
 }
 
 // Once: what an edited kernel has.

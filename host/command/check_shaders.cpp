@@ -27,6 +27,7 @@ struct CheckResult {
   std::string warnings;
   bool edited = false;
   std::vector<FeatureUse> uses;
+  std::vector<Parameter> parameters;
   std::vector<std::string> notes;  // of the kernel for the scene
 };
 
@@ -61,6 +62,7 @@ CheckResult check(const std::vector<ShaderSource>& sources) {
     attempt(result.faults, [&] { checkKernel(kernel, sources, access); });
     result.warnings = kernel.warnings;
     result.uses = kernel.uses;
+    result.parameters = kernel.parameters;
   }
   if (result.faults.empty())
     result.edited = compileKernel(sources, BufferAccess::storageBuffer, KernelForm::asNeeded).edited;
@@ -68,8 +70,9 @@ CheckResult check(const std::vector<ShaderSource>& sources) {
 }
 
 // What of the kernel a scene would leave out.
-std::vector<std::string> notesFor(const std::string& name, const CheckResult& result) {
+std::vector<std::string> notesFor(const std::string& name, CheckResult& result) {
   Scene scene = loadScene(findScene(name));
+  if (result.faults.empty()) attempt(result.faults, [&] { setParameters(result.parameters, scene.parameters); });
   RenderOptions options;
   const RenderSettings settings = settingsFor(scene, options);
   ConstantSet uses = 0;

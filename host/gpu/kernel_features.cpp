@@ -21,8 +21,8 @@ struct Reason {
 
 // Why an edited kernel needs what its scene does not.
 constexpr Reason kNeeded[] = {
-    {gpu::kSpecNearestNodes, "an eye ray does not go from the eye through its pixel"},
-    {gpu::kSpecShadowNodes, "a shadow ray does not end at its light"},
+    {gpu::kSpecNearestNodes, "a ray that is no eye ray through its pixel looks for its nearest hit"},
+    {gpu::kSpecShadowNodes, "a shadow ray does not go to its light"},
     {gpu::kSpecHighlights, "the sources are edited where highlights are, or give one to a material"},
     {gpu::kSpecReflection, "the sources are edited where mirrors are, or something reflects"},
     {gpu::kSpecRefraction, "the sources are edited where glass is, or something transmits"},
@@ -123,9 +123,9 @@ std::string describeLacking(ConstantSet lacks, const Features& features, const R
                        settings.depth + 1) +
            wrong + fmt::format("give a --depth beyond {}, or keep to level < DEPTH in spawnRays()", settings.depth);
   if (lacks & bit(gpu::kSpecBudget))
-    return "the edited kernel does not come to an end: of a whole dispatch it has made nothing; does something return, "
-           "or "
-           "go on with the next turn, before it has moved on";
+    return "the edited kernel does not come to an end: a whole dispatch has left the work of a pixel as it was; look "
+           "for a "
+           "return, or a turn of a loop, that moves nothing on";
   if (lacks & bit(gpu::kSpecLights))
     return fmt::format("the edited kernel asks lightAt() for a light beyond the {} of this scene", features.lights) +
            wrong + "keep to indices below LIGHTS";

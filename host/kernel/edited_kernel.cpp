@@ -28,6 +28,7 @@ Kernel compileKernel(const std::vector<ShaderSource>& sources, BufferAccess acce
   ParameterisedSources parameterised = readParameters(sources);
   Kernel kernel{compileGlsl(parameterised.sources, editedPreamble(sources, access)), {}, {}};
   kernel.edited = true;
+  checkGlobals(kernel.words, shippedShaders(), sources);
   if (asNeeded) {
     if (kernel.words == compileGlsl(shippedShaders(), editedPreamble(shippedShaders(), access)).words)
       return compileUnedited(sources, access);
@@ -35,6 +36,7 @@ Kernel compileKernel(const std::vector<ShaderSource>& sources, BufferAccess acce
     checkKernel(kernel, sources, access);
   }
   kernel.parameters = std::move(parameterised.parameters);
+  kernel.warnings += geometryWarnings(shippedShaders(), sources);
   kernel.uses = featuresUsed(shippedShaders(), sources);
   return kernel;
 }

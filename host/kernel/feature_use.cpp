@@ -128,4 +128,30 @@ std::vector<FeatureUse> featuresUsed(const std::vector<ShaderSource>& shipped,
   return uses;
 }
 
+std::string geometryWarnings(const std::vector<ShaderSource>& shipped, const std::vector<ShaderSource>& edited) {
+  std::string warnings;
+  for (const EditedFile& file : editedFiles(shipped, edited)) {
+    const std::vector<GlslToken>& tokens = file.tokens;
+    for (size_t i = 1; i + 1 < tokens.size(); ++i) {
+      static constexpr std::string_view kReaders[] = {"nodeAt",         "sphereAt",   "nearSphereAt", "coneAt",
+                                                      "trianglePairAt", "planeAt",    "faceAt",       "coarseCellAt",
+                                                      "fineCellAt",     "listEntryAt"};
+      const bool isReader = std::find(std::begin(kReaders), std::end(kReaders), tokens[i].text) != std::end(kReaders);
+      // A definition: a type before it, a body behind its parameters.
+      if (!isReader || tokens[i - 1].kind != GlslKind::word || tokens[i - 1].text == "return") continue;
+      size_t end = i;
+      for (int depth = 0; end < tokens.size(); ++end) {
+        if (tokens[end].text == "{") ++depth;
+        if (tokens[end].text == "}" && --depth == 0) break;
+      }
+      if (!file.isChanged(i, end)) continue;
+      warnings +=
+          file.path + ':' + std::to_string(tokens[i].line) + ": warning: " + std::string(tokens[i].text) +
+          "() is edited; tree and lists are those of the geometry in the scene, and what is moved here is missed "
+          "where it went: move it in the scene\n";
+    }
+  }
+  return warnings;
+}
+
 }  // namespace turner

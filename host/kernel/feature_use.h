@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "kernel/shader_sources.h"
@@ -18,5 +19,9 @@ struct FeatureUse {
 // names it or what belongs to it, and where conditions that name it lead there; each is told once. What an edit does by
 // way of data, the kernel finds out itself (shaders/edited.glsl).
 std::vector<FeatureUse> featuresUsed(const std::vector<ShaderSource>& shipped, const std::vector<ShaderSource>& edited);
+
+// Warnings, a line for each: where the edit changes how the geometry, the tree or the lists are read. Those were built
+// for what is in the buffers; what is moved in the shader is not found where it went.
+std::string geometryWarnings(const std::vector<ShaderSource>& shipped, const std::vector<ShaderSource>& edited);
 
 }  // namespace turner

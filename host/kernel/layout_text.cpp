@@ -2,6 +2,7 @@
 // TURNER_FEATURE(Name, ...).
 #include "kernel/layout_text.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdint>
 #include <cstdlib>
@@ -13,6 +14,7 @@
 
 #include "base/errors.h"
 #include "kernel/glsl_tokens.h"
+#include "kernel/host_interface.h"
 #include "kernel/source_names.h"
 #include "layout_text_of_host.h"
 
@@ -206,6 +208,18 @@ void checkLayout(const std::vector<ShaderSource>& sources) {
       for (auto wanted = first; wanted != last; ++wanted) fits |= areSame(value, wanted->second);
       if (!fits)
         found[value.offset] = name + " is " + textOf(value) + " here, but " + textOf(first->second) + kLayoutRemedy;
+    }
+    for (const GlslToken& token : readGlslTokens(*source.text)) {
+      const std::string_view directive = directiveName(token);
+      if (directive != "define" && directive != "undef") continue;
+      const std::vector<GlslToken> words = readGlslTokens(token.text.substr(token.text.find(directive)));
+      const auto isHidden = [&](const HostConstant& constant) {
+        return words.size() > 1 && words[1].text == std::string_view(constant.variable);
+      };
+      if (std::any_of(hostConstants().begin(), hostConstants().end(), isHidden))
+        found[token.offset] =
+            std::string(words[1].text) +
+            " is a constant that turner gives the kernel; a macro of this name hides it; take another name";
     }
     for (const auto& [name, structure] : here.structures) {
       const auto wanted = host.structures.find(name);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <charconv>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -53,8 +54,8 @@ std::string joined(const Parameter& parameter, std::string_view between) {
 std::string faultOf(const Parameter& parameter, double value) {
   const auto out = [&](const std::string& allowed) { return fmt::format("found {:.9g}; must be {}", value, allowed); };
   const bool isWhole = std::floor(value) == value;
-  if (parameter.type == ParameterType::integer && !(isWhole && std::abs(value) <= 2147483647.0))
-    return out("a whole number from -2147483647 to 2147483647");
+  if (parameter.type == ParameterType::integer && !(isWhole && value >= -2147483648.0 && value <= 2147483647.0))
+    return out("a whole number from -2147483648 to 2147483647");
   if (parameter.type == ParameterType::natural && !(isWhole && value >= 0 && value <= 4294967295.0))
     return out("a whole number from 0 to 4294967295");
   if (parameter.type == ParameterType::real && !(std::abs(value) <= double(std::numeric_limits<float>::max())))
@@ -120,8 +121,17 @@ class Declarations {
     if (negative || is("+")) ++at_;
     if (at_ >= tokens_.size()) return false;
     std::string digits(tokens_[at_].text);
-    while (!digits.empty() && std::string_view("uUfF").find(digits.back()) != std::string_view::npos) digits.pop_back();
-    if (parseNumber(digits, value) != NumberFault::none) return false;
+    const bool isHex = digits.starts_with("0x") || digits.starts_with("0X");
+    const std::string_view suffixes = isHex ? "uU" : "uUfF";
+    while (!digits.empty() && suffixes.find(digits.back()) != std::string_view::npos) digits.pop_back();
+    if (isHex) {
+      uint32_t word = 0;
+      const char* const end = digits.data() + digits.size();
+      if (std::from_chars(digits.data() + 2, end, word, 16) != std::from_chars_result{end, std::errc()}) return false;
+      value = word;
+    } else if (parseNumber(digits, value) != NumberFault::none) {
+      return false;
+    }
     if (negative) value = -value;
     ++at_;
     return true;

@@ -183,6 +183,7 @@ class Worker {
     Compiled compiled;
     compiled.job = job_;
     const Kernel& kernel = kernelOf(job, compiled.checkSeconds);
+    begin(Step::check);
     std::vector<Parameter> parameters = kernel.parameters;
     std::vector<ParameterSetting> set = sceneParameters_;
     set.insert(set.end(), job.parameters.begin(), job.parameters.end());

@@ -12,6 +12,7 @@ layout(std430, binding = kBindLitFound) writeonly buffer FoundBuffer { Word4 fou
 
 #include "../../../shaders/buffer_access.glsl"
 #include "../../../shaders/scene.h"
+#include "../../../shaders/edited.glsl"
 #include "../../../shaders/float_float.glsl"
 #include "../../../shaders/nested_dielectrics.glsl"
 #include "../../../shaders/ray.glsl"

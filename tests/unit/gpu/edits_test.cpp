@@ -91,6 +91,7 @@ std::string refusalOf(const std::string& name, const std::vector<Replacement>& e
 
 // --- the edits, and what they mean ---------------------------------------------------------------------------------
 
+const std::string kMaterial = "    Material material = materialAt(surface.material);\n";
 const std::string kShadowRay = "  Ray shadowRay = leaveToLight(surface, hitPrimitive, light.position);\n";
 const std::string kJittered =
     "  light.position += 0.4 * (vec3(hash4(uvec4(pixel, lightIndex, level)).xyz >> 8u) / 16777216.0 - 0.5);\n";
@@ -265,6 +266,60 @@ TEST(Edits, aLightThatIsNotThere) {
   EXPECT_THAT(refusalOf("diffuse", kOneMoreLight), HasSubstr("lightAt() for a light beyond the"));
 }
 
+struct LightsMoved : Twin {
+  using Twin::Twin;
+  std::vector<Light> lightsOf(const TwinHit& hit, const TwinPath& path) const override {
+    std::vector<Light> lights = Twin::lightsOf(hit, path);
+    for (Light& light : lights) light.position.x += 0.5;
+    return lights;
+  }
+};
+
+// Where the scene's lights are loaded, and by a macro.
+TEST(Edits, lightsMovedWhereTheyAreLoaded) {
+  expectRight<LightsMoved>("diffuse", {edit("scene.h", "  return Light(xyz(a), a.w, xyz(b), 0u);",
+                                            "  return Light(xyz(a) + vec3(0.5, 0, 0), a.w, xyz(b), 0u);")});
+  expectRight<LightsMoved>(
+      "diffuse", {edit("whitted.comp", "// Local illumination by one light,",
+                       "Light movedLight(const uint i) {\n  Light light = lightAt(i);\n  light.position.x += 0.5;\n"
+                       "  return light;\n}\n#define lightAt(i) movedLight(i)\n// Local illumination by one light,")});
+}
+
+struct WiderView : Twin {
+  using Twin::Twin;
+  TwinRay eyeRay(const dvec2& point, const TwinPath&) const override {
+    return cameraRay(middle() + 1.5 * (point - middle()));
+  }
+};
+
+TEST(Edits, aWiderViewByTheFrame) {
+  expectRight<WiderView>("diffuse", {edit("whitted.comp", "  frame = frameInMemory;\n",
+                                          "  frame = frameInMemory;\n  frame.rightHi *= 1.5;\n  frame.rightLo *= 1.5;\n"
+                                          "  frame.downHi *= 1.5;\n  frame.downLo *= 1.5;\n")});
+}
+
+// Shadow where a ray straight down from above finds something nearer than the surface that it is above: nothing is.
+struct NothingIsNearer : Twin {
+  using Twin::Twin;
+};
+
+TEST(Edits, aNearestHitOfARayThatWasMoved) {
+  const std::string down =
+      "    Ray down = rayAlong(here.Ng);\n"
+      "    down.origin += 0.01 * here.Ng;\n"
+      "    down.direction = -here.Ng;\n"
+      "    TraversalState below = @START@;\n"
+      "    int turns = 500;\n"
+      "    traverse(down, rayFactors(down.direction), false, NEAREST_NODES, rayKind, 1.0, below, turns);\n"
+      "    if (abs(below.tMax - 0.01) > 1e-4) material.diffuse = vec3(0);\n";
+  for (const std::string start : {"startAtRoot()", "startAt(frame.root, kNoHit, kNoList)"}) {
+    std::string edited = down;
+    edited.replace(edited.find("@START@"), 7, start);
+    EXPECT_THAT(expectRight<NothingIsNearer>("diffuse", {edit("whitted.comp", kMaterial, kMaterial + edited)}),
+                ElementsAre("NEAREST_NODES"));
+  }
+}
+
 struct MirrorFloor : Twin {
   using Twin::Twin;
   Material materialOf(const TwinHit& hit, const TwinPath& path) const override {
@@ -273,7 +328,6 @@ struct MirrorFloor : Twin {
     return material;
   }
 };
-const std::string kMaterial = "    Material material = materialAt(surface.material);\n";
 
 TEST(Edits, aMirrorInASceneWithoutAny) {
   EXPECT_THAT(
@@ -339,6 +393,10 @@ const std::vector<Replacement> kDeeper = {
 
 TEST(Edits, aChangedDepth) {
   expectRight<DeeperThanAsked>("mirrors", kDeeper, 3);
+  // By a macro: the host gives another.
+  EXPECT_THAT(refusalOf("glass", {edit("whitted.comp", "#include \"edited.glsl\"\n",
+                                       "#undef DEPTH\n#define DEPTH 20u\n#include \"edited.glsl\"\n")}),
+              HasSubstr("DEPTH is a constant that turner gives the kernel; a macro of this name hides it"));
   // Rays that wait have no room.
   EXPECT_THAT(refusalOf("glass", {edit("whitted.comp", "bool deeper = level < DEPTH;", "bool deeper = level < 40u;")}),
               HasSubstr("give a --depth beyond"));
@@ -440,12 +498,12 @@ TEST(Edits, aGlobalVariableIsKept) {
   const RenderSettings settings = settingsOfHeight(scene, 24);
   const ShaderVariant variant(std::vector{
       edit("whitted.comp", "// The nearest hit of the ray in hand,",
-           "vec3 seen = vec3(0);\nuint hits, deepest = 0u;\n// The nearest hit of the ray in hand,"),
+           "vec3 seen = vec3(0);\nuint seed = 0u, deepest = 0u;\n// The nearest hit of the ray in hand,"),
       edit("whitted.comp", "  float r = material.reflectance, t = material.transmittance;\n",
            "  float r = material.reflectance, t = material.transmittance;\n"
-           "  seen += weight * material.diffuse;\n  ++hits;\n  deepest = max(deepest, level);\n"),
+           "  seen += weight * material.diffuse;\n  ++seed;\n  deepest = max(deepest, level);\n"),
       edit("whitted.comp", "    pixels[pixelAt] = packWord(sum / float(SAMPLES * SAMPLES), phase);\n",
-           "    if (phase == kDone) sum = vec3(seen.x, float(hits), float(deepest));\n"
+           "    if (phase == kDone) sum = vec3(seen.x, float(seed), float(deepest));\n"
            "    pixels[pixelAt] = packWord(sum, phase);\n"),
   });
   std::vector<Image> images;
@@ -465,9 +523,16 @@ TEST(Edits, aGlobalVariableIsKept) {
 }
 
 TEST(Edits, anArrayThatIsNotKeptIsRefused) {
-  EXPECT_THAT(refusalOf("diffuse", {edit("whitted.comp", "// The nearest hit of the ray in hand,",
-                                         "float mine[4];\n// The nearest hit of the ray in hand,")}),
-              HasSubstr("mine is an array, which is not kept"));
+  const std::string place = "// The nearest hit of the ray in hand,";
+  for (const auto& [declaration, message] : {std::pair("float a[4];\n", "a is an array, which is not kept"),
+                                             std::pair("vec3[2] a;\n", "a is an array, which is not kept"),
+                                             std::pair("mat3 a;\n", "a is a mat3, which is not kept")})
+    EXPECT_THAT(refusalOf("diffuse", {edit("whitted.comp", place, declaration + place)}), HasSubstr(message));
+  EXPECT_THAT(
+      refusalOf("diffuse", {edit("whitted.comp", place, "#define MINE(name) float name = 0.0\nMINE(mine);\n" + place),
+                            edit("whitted.comp", "  float r = material.reflectance, t",
+                                 "  mine += 1.0;\n  sum += mine;\n  float r = material.reflectance, t")}),
+      HasSubstr("mine is a global variable that a macro declares"));
 }
 
 // --- what is edited, and what not ------------------------------------------------------------------------------------
