@@ -1,5 +1,5 @@
 // What a kernel checks whose sources are edited: the host compiles them with EDITED defined, and its own sources without
-// (host/kernel/edited_kernel). A kernel is specialised to its scene; here it finds out whether what was edited needs more
+// (host/kernel/edits/edited_kernel). A kernel is specialised to its scene; here it finds out whether what was edited needs more
 // than that, and says so in status.lacks, bit kSpec<Name> for a specialisation constant. The host then compiles that in
 // and traces once more, or refuses.
 #ifdef EDITED

@@ -13,7 +13,7 @@
 #include "gpu/kernel_features.h"
 #include "gpu/prepare.h"
 #include "kernel/buffer_access.h"
-#include "kernel/edited_kernel.h"
+#include "kernel/edits/edited_kernel.h"
 #include "kernel/kernel_check.h"
 #include "kernel/layout_text.h"
 #include "scene/scene_load.h"

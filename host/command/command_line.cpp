@@ -14,7 +14,7 @@
 #include "base/errors.h"
 #include "base/number.h"
 #include "base/tell.h"
-#include "kernel/parameters.h"
+#include "kernel/edits/parameters.h"
 
 namespace turner {
 namespace {

@@ -11,7 +11,7 @@
 #include "image/envelope.h"
 #include "image/error_analysis.h"
 #include "image/settings.h"
-#include "kernel/parameters.h"
+#include "kernel/edits/parameters.h"
 #include "scene/scene.h"
 
 namespace turner {

@@ -12,7 +12,7 @@
 #include "gpu/renderer.h"
 #include "image/settings.h"
 #include "kernel/buffer_access.h"
-#include "kernel/edited_kernel.h"
+#include "kernel/edits/edited_kernel.h"
 #include "kernel/shader_sources.h"
 #include "scene/scene.h"
 

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <utility>
 
-#include "kernel/source_edit.h"
+#include "kernel/edits/source_edit.h"
 #include "watch/diagnosis/glsl_loops.h"
 
 namespace turner::watch {

@@ -10,7 +10,7 @@
 #include "base/parameter_setting.h"
 #include "image/image.h"
 #include "image/settings.h"
-#include "kernel/parameters.h"
+#include "kernel/edits/parameters.h"
 #include "kernel/shader_sources.h"
 #include "scene/scene.h"
 #include "watch/process/bytes.h"

@@ -1,5 +1,5 @@
 // Which features an edit is about, by its text.
-#include "kernel/feature_use.h"
+#include "kernel/edits/feature_use.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "kernel/shipped_shaders.h"
+#include "kernel/edits/shipped_shaders.h"
 #include "layout.h"
 
 namespace turner {

@@ -1,5 +1,5 @@
 // The texts come from CMake, in the order of their names.
-#include "kernel/shipped_shaders.h"
+#include "kernel/edits/shipped_shaders.h"
 
 #include <algorithm>
 #include <string>

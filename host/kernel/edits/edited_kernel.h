@@ -6,8 +6,8 @@
 
 #include "kernel/buffer_access.h"
 #include "kernel/compile.h"
-#include "kernel/feature_use.h"
-#include "kernel/parameters.h"
+#include "kernel/edits/feature_use.h"
+#include "kernel/edits/parameters.h"
 #include "kernel/shader_sources.h"
 
 namespace turner {

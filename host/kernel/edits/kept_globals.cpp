@@ -1,5 +1,5 @@
 // Declarations as their tokens show them: of a line of the edit, outside of braces.
-#include "kernel/kept_globals.h"
+#include "kernel/edits/kept_globals.h"
 
 #include <glslang/SPIRV/spirv.hpp>
 
@@ -11,8 +11,8 @@
 #include <string_view>
 
 #include "base/errors.h"
+#include "kernel/edits/parameters.h"
 #include "kernel/glsl_tokens.h"
-#include "kernel/parameters.h"
 #include "kernel/source_names.h"
 #include "kernel/spirv_module.h"
 #include "layout.h"

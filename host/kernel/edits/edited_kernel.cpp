@@ -1,13 +1,13 @@
 // Both kernels are compiled alike and compared, word by word: comments and names do not count.
-#include "kernel/edited_kernel.h"
+#include "kernel/edits/edited_kernel.h"
 
 #include <string>
 #include <utility>
 
-#include "kernel/kept_globals.h"
+#include "kernel/edits/kept_globals.h"
+#include "kernel/edits/shipped_shaders.h"
 #include "kernel/kernel_check.h"
 #include "kernel/layout_text.h"
-#include "kernel/shipped_shaders.h"
 
 namespace turner {
 namespace {

@@ -1,12 +1,12 @@
 // A pass over the tokens of each edited file, statement by statement. Macros are not expanded.
-#include "kernel/feature_use.h"
+#include "kernel/edits/feature_use.h"
 
 #include <algorithm>
 #include <bit>
 #include <map>
 #include <string_view>
 
-#include "kernel/source_edit.h"
+#include "kernel/edits/source_edit.h"
 #include "layout.h"
 
 namespace turner {

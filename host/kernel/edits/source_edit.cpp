@@ -1,5 +1,5 @@
 // A comparison of code lines by their longest common subsequence.
-#include "kernel/source_edit.h"
+#include "kernel/edits/source_edit.h"
 
 #include <algorithm>
 #include <cstdint>

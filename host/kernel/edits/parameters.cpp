@@ -1,5 +1,5 @@
 // Reads declarations by their tokens, so that comments and directives do not count.
-#include "kernel/parameters.h"
+#include "kernel/edits/parameters.h"
 
 #include <fmt/format.h>
 
